@@ -73,104 +73,51 @@ class TileCost : public ceres::CostFunction {
   std::vector<int> blocks_;
 };
 
-/// Prior of one parameter block; parameters without a prior give zero rows.
+/// Priors and taped distances that touch the same parameter blocks.
 class PriorCost : public ceres::CostFunction {
  public:
-  PriorCost(const ParameterLayout* layout, const ParameterBlock& block) : layout_(layout), block_(block) {
-    mutable_parameter_block_sizes()->push_back(block.size);
-    set_num_residuals(block.size);
-  }
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    for (int i = 0; i < block_.size; ++i) {
-      const Parameter& p =
-          layout_->parameters[static_cast<std::size_t>(block_.first) + static_cast<std::size_t>(i)];
-      const double weight = std::isfinite(p.prior_sigma) ? 1.0 / p.prior_sigma : 0.0;
-      residuals[i] = weight * (parameters[0][i] - p.prior_mean);
-      if (jacobians != nullptr && jacobians[0] != nullptr)
-        for (int j = 0; j < block_.size; ++j) jacobians[0][i * block_.size + j] = i == j ? weight : 0.0;
-    }
-    return true;
-  }
-
- private:
-  const ParameterLayout* layout_;
-  ParameterBlock block_;
-};
-
-/// What is known of parameters together, over the blocks that hold them.
-class JointPriorCost : public ceres::CostFunction {
- public:
-  JointPriorCost(const ParameterLayout* layout, const Eigen::VectorXd* x, std::vector<int> blocks)
-      : layout_(layout), x_(x), blocks_(std::move(blocks)) {
+  /// @param first, count  of the point's rows
+  PriorCost(const EvaluationPoint* point, std::size_t first, std::size_t count, std::vector<int> blocks)
+      : point_(point), first_(first), count_(count), blocks_(std::move(blocks)) {
     for (const int b : blocks_)
-      mutable_parameter_block_sizes()->push_back(layout->blocks[static_cast<std::size_t>(b)].size);
-    set_num_residuals(static_cast<int>(layout->joint_prior->mean.size()));
-  }
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
-    const JointPrior& prior = *layout_->joint_prior;
-    Eigen::VectorXd x = *x_;
-    for (std::size_t i = 0; i < blocks_.size(); ++i) {
-      const ParameterBlock& block = layout_->blocks[static_cast<std::size_t>(blocks_[i])];
-      x.segment(block.first, block.size) = Eigen::Map<const Eigen::VectorXd>(parameters[i], block.size);
-    }
-    Eigen::Map<Eigen::VectorXd>(residuals, prior.mean.size()) = prior.residual(x);
-    if (jacobians == nullptr) return true;
-    for (std::size_t i = 0; i < blocks_.size(); ++i) {
-      if (jacobians[i] == nullptr) continue;
-      const ParameterBlock& block = layout_->blocks[static_cast<std::size_t>(blocks_[i])];
-      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> J(
-          jacobians[i], prior.mean.size(), block.size);
-      J.setZero();
-      for (std::size_t k = 0; k < prior.columns.size(); ++k)
-        if (const int c = prior.columns[k] - block.first; c >= 0 && c < block.size)
-          J.col(c) = prior.root.col(static_cast<Eigen::Index>(k));
-    }
-    return true;
-  }
-
- private:
-  const ParameterLayout* layout_;
-  const Eigen::VectorXd* x_;  ///< what no block of these holds does not matter
-  std::vector<int> blocks_;
-};
-
-int block_of(const ParameterLayout& layout, int column) {
-  for (std::size_t k = 0; k < layout.blocks.size(); ++k)
-    if (column >= layout.blocks[k].first && column < layout.blocks[k].first + layout.blocks[k].size)
-      return static_cast<int>(k);
-  return -1;
-}
-
-class DistanceCost : public ceres::CostFunction {
- public:
-  DistanceCost(const ControlDistance& d, const EvaluationPoint* point, const ParameterLayout* layout,
-               std::vector<int> blocks)
-      : distance_(d), point_(point), layout_(layout), blocks_(std::move(blocks)) {
-    for (const int b : blocks_)
-      mutable_parameter_block_sizes()->push_back(layout->blocks[static_cast<std::size_t>(b)].size);
-    set_num_residuals(1);
+      mutable_parameter_block_sizes()->push_back(point->layout->blocks[static_cast<std::size_t>(b)].size);
+    set_num_residuals(static_cast<int>(count));
   }
   bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
-    const DistanceRow row = distance_row(distance_, *layout_, point_->state);
-    residuals[0] = row.residual;
-    if (jacobians == nullptr) return true;
-    for (std::size_t i = 0; i < blocks_.size(); ++i) {
-      if (jacobians[i] == nullptr) continue;
-      const ParameterBlock& block = layout_->blocks[static_cast<std::size_t>(blocks_[i])];
-      std::fill(jacobians[i], jacobians[i] + block.size, 0.0);
-      for (const auto& [column, value] : row.entries)
-        if (column >= block.first && column < block.first + block.size)
-          jacobians[i][column - block.first] += value;
+    for (std::size_t r = 0; r < count_; ++r) {
+      const PriorRow& row = point_->priors[first_ + r];
+      residuals[r] = row.residual;
+      for (std::size_t i = 0; jacobians != nullptr && i < blocks_.size(); ++i) {
+        if (jacobians[i] == nullptr) continue;
+        const ParameterBlock& block = point_->layout->blocks[static_cast<std::size_t>(blocks_[i])];
+        double* const by_block = jacobians[i] + r * static_cast<std::size_t>(block.size);
+        std::fill(by_block, by_block + block.size, 0.0);
+        for (const auto& [column, value] : row.entries)
+          if (column >= block.first && column < block.first + block.size)
+            by_block[column - block.first] += value;
+      }
     }
     return true;
   }
 
  private:
-  ControlDistance distance_;
   const EvaluationPoint* point_;
-  const ParameterLayout* layout_;
+  std::size_t first_, count_;
   std::vector<int> blocks_;
 };
+
+/// The parameter blocks that a row touches, in order.
+std::vector<int> blocks_of(const PriorRow& row, const ParameterLayout& layout) {
+  std::vector<int> blocks;
+  for (std::size_t k = 0; k < layout.blocks.size(); ++k) {
+    const ParameterBlock& block = layout.blocks[k];
+    if (std::any_of(row.entries.begin(), row.entries.end(), [&](const auto& entry) {
+          return entry.first >= block.first && entry.first < block.first + block.size;
+        }))
+      blocks.push_back(static_cast<int>(k));
+  }
+  return blocks;
+}
 
 struct IterationWatch : ceres::IterationCallback {
   const AdjustOptions* options = nullptr;
@@ -215,7 +162,7 @@ double* address_of(const ParameterLayout& layout, int block, Eigen::VectorXd& x)
   return x.data() + layout.blocks[static_cast<std::size_t>(block)].first;
 }
 
-/// All blocks with their bounds and priors.
+/// All blocks with their bounds.
 void add_parameters(const ParameterLayout& layout, Eigen::VectorXd& x, ceres::Problem& to) {
   for (std::size_t k = 0; k < layout.blocks.size(); ++k) {
     const ParameterBlock& block = layout.blocks[k];
@@ -227,15 +174,15 @@ void add_parameters(const ParameterLayout& layout, Eigen::VectorXd& x, ceres::Pr
       if (std::isfinite(parameter.lower)) to.SetParameterLowerBound(address, i, parameter.lower);
       if (std::isfinite(parameter.upper)) to.SetParameterUpperBound(address, i, parameter.upper);
     }
-    to.AddResidualBlock(new PriorCost(&layout, block), nullptr, address);
   }
 }
 
 AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, SystemSum& observations,
                         TileSum* tiles, Eigen::VectorXd& x, const AdjustOptions& options) {
   AdjustResult result;
-  EvaluationPoint point(&observations, tiles, &layout, &x, options);
+  EvaluationPoint point(problem, &observations, tiles, &layout, &x, options);
   point.state = layout.state_of(x);
+  point.priors = prior_rows(problem, layout, x);
   if (layout.size() == 0) {  // everything is held: only the vehicle states move
     result.cost = observations.solve_states(point.state, options.loss);
     result.converged = true;
@@ -251,6 +198,14 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
     for (const int b : blocks) addresses.push_back(address_of(layout, b, x));
     ceres_problem.AddResidualBlock(cost, nullptr, addresses);
   };
+  const auto add_priors = [&](std::size_t first, std::size_t last) {
+    for (std::size_t next = first; first < last; first = next) {
+      const std::vector<int> blocks = blocks_of(point.priors[first], layout);
+      while (next < last && blocks_of(point.priors[next], layout) == blocks) ++next;
+      if (!blocks.empty()) add(new PriorCost(&point, first, next - first, blocks), blocks);
+    }
+  };
+  add_priors(0, static_cast<std::size_t>(layout.size()));
   if (point.dense) {
     std::vector<int> all(layout.blocks.size());
     std::iota(all.begin(), all.end(), 0);
@@ -260,20 +215,7 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
       if (const std::vector<int>& blocks = tiles->tiles()[i].blocks(); !blocks.empty())
         add(new TileCost(&point, static_cast<int>(i), blocks), blocks);
   }
-  for (const ControlDistance& d : problem.site.distances) {
-    std::vector<int> blocks;
-    for (const auto& [column, value] : distance_row(d, layout, point.state).entries) {
-      const int b = block_of(layout, column);
-      if (blocks.empty() || (blocks[0] != b && blocks.back() != b)) blocks.push_back(b);
-    }
-    if (!blocks.empty()) add(new DistanceCost(d, &point, &layout, blocks), blocks);
-  }
-  if (layout.joint_prior) {
-    std::vector<int> blocks;
-    for (const int column : layout.joint_prior->columns)
-      if (const int b = block_of(layout, column); blocks.empty() || blocks.back() != b) blocks.push_back(b);
-    add(new JointPriorCost(&layout, &x, blocks), blocks);
-  }
+  add_priors(static_cast<std::size_t>(layout.size()), point.priors.size());
   IterationWatch iteration_watch;
   iteration_watch.options = &options;
   iteration_watch.point = &point;

@@ -45,6 +45,7 @@ SystemResiduals system_residuals_of(const ReducedSystem& system) {
 void EvaluationPoint::PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) {
   if (new_evaluation_point || !is_solved) {
     state = layout->state_of(*x);
+    priors = prior_rows(*problem, *layout, *x);
     cost = observations->solve_states(state, options->loss);
     is_solved = true;
   }

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "calib/adjust/adjust.h"
+#include "calib/adjust/priors.h"
 #include "calib/adjust/tile_sum.h"
 
 namespace octant::calib {
@@ -22,15 +23,18 @@ struct SystemResiduals {
 /// All observations at the point that Ceres asks about, evaluated once for whoever wants to know: a candidate
 /// is solved, and where it is taken only its reduction is added.
 struct EvaluationPoint : ceres::EvaluationCallback {
-  EvaluationPoint(SystemSum* all, TileSum* all_tiles, const ParameterLayout* layout_of_all,
-                  const Eigen::VectorXd* x_of_all, const AdjustOptions& options_of_all)
-      : observations(all),
+  EvaluationPoint(const Problem& problem_of_all, SystemSum* all, TileSum* all_tiles,
+                  const ParameterLayout* layout_of_all, const Eigen::VectorXd* x_of_all,
+                  const AdjustOptions& options_of_all)
+      : problem(&problem_of_all),
+        observations(all),
         tiles(all_tiles),
         layout(layout_of_all),
         x(x_of_all),
         options(&options_of_all),
         dense(tiles == nullptr || is_dense(*layout_of_all)) {}
 
+  const Problem* problem;
   SystemSum* observations;
   TileSum* tiles;  ///< the same, where each may be asked for its own
   const ParameterLayout* layout;
@@ -38,6 +42,7 @@ struct EvaluationPoint : ceres::EvaluationCallback {
   const AdjustOptions* options;
   bool dense;
   SharedState state;
+  std::vector<PriorRow> priors;  ///< see prior_rows()
   double cost = 0.0;
   bool is_solved = false;
   bool at_rest = false;                    ///< the step that led here was the last worth taking

@@ -7,8 +7,8 @@
 
 namespace octant::calib {
 
-DistanceRow distance_row(const ControlDistance& d, const ParameterLayout& layout, const SharedState& state) {
-  DistanceRow row;
+PriorRow distance_row(const ControlDistance& d, const ParameterLayout& layout, const SharedState& state) {
+  PriorRow row;
   const Eigen::Vector3d v = state.beacon_p_map_m[d.from.index()] - state.beacon_p_map_m[d.to.index()];
   const double length = std::max(v.norm(), 1e-9), weight = 1.0 / d.sigma_m;
   row.residual = weight * (length - d.distance_m);
@@ -20,39 +20,45 @@ DistanceRow distance_row(const ControlDistance& d, const ParameterLayout& layout
   return row;
 }
 
-double prior_cost(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x) {
-  double cost = 0.0;
+std::vector<PriorRow> prior_rows(const Problem& problem, const ParameterLayout& layout,
+                                 const Eigen::VectorXd& x) {
+  std::vector<PriorRow> rows;
   for (int i = 0; i < layout.size(); ++i) {
     const Parameter& p = layout.parameters[static_cast<std::size_t>(i)];
-    if (std::isfinite(p.prior_sigma)) cost += 0.5 * std::pow((x[i] - p.prior_mean) / p.prior_sigma, 2);
+    const double weight = std::isfinite(p.prior_sigma) ? 1.0 / p.prior_sigma : 0.0;
+    rows.push_back({weight * (x[i] - p.prior_mean), {{i, weight}}});
   }
-  if (layout.joint_prior) cost += 0.5 * layout.joint_prior->residual(x).squaredNorm();
-  const SharedState state = layout.state_of(x);
-  for (const ControlDistance& d : problem.site.distances)
-    cost += 0.5 * std::pow(distance_row(d, layout, state).residual, 2);
+  if (!problem.site.distances.empty()) {
+    const SharedState state = layout.state_of(x);
+    for (const ControlDistance& d : problem.site.distances) rows.push_back(distance_row(d, layout, state));
+  }
+  if (!layout.joint_prior) return rows;
+  const JointPrior& prior = *layout.joint_prior;
+  const Eigen::VectorXd residual = prior.residual(x);
+  for (Eigen::Index i = 0; i < residual.size(); ++i) {
+    PriorRow& row = rows.emplace_back(PriorRow{residual[i], {}});
+    for (std::size_t k = 0; k < prior.columns.size(); ++k)
+      row.entries.emplace_back(prior.columns[k], prior.root(i, static_cast<Eigen::Index>(k)));
+  }
+  return rows;
+}
+
+double prior_cost(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x) {
+  double cost = 0.0;
+  for (const PriorRow& row : prior_rows(problem, layout, x)) cost += 0.5 * row.residual * row.residual;
   return cost;
 }
 
 void for_each_of_prior(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x,
                        const std::function<void(int, int, double)>& visit) {
-  for (int i = 0; i < layout.size(); ++i) {
-    const Parameter& p = layout.parameters[static_cast<std::size_t>(i)];
-    if (std::isfinite(p.prior_sigma)) visit(i, i, 1.0 / (p.prior_sigma * p.prior_sigma));
-  }
-  if (layout.joint_prior) {
-    const JointPrior& prior = *layout.joint_prior;
-    const Eigen::MatrixXd N = prior.root.transpose() * prior.root;
-    for (std::size_t i = 0; i < prior.columns.size(); ++i)
-      for (std::size_t j = 0; j < prior.columns.size(); ++j)
-        visit(prior.columns[i], prior.columns[j],
-              N(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
-  }
-  const SharedState state = layout.state_of(x);
-  for (const ControlDistance& d : problem.site.distances) {
-    const DistanceRow row = distance_row(d, layout, state);
-    for (const auto& [i, a] : row.entries)
-      for (const auto& [j, b] : row.entries) visit(i, j, a * b);
-  }
+  const std::vector<PriorRow> rows = prior_rows(problem, layout, x);
+  for (int i = 0; i < layout.size(); ++i)
+    if (const double sigma = layout.parameters[static_cast<std::size_t>(i)].prior_sigma; std::isfinite(sigma))
+      visit(i, i, 1.0 / (sigma * sigma));
+  for (std::size_t r = layout.parameters.size(); r < rows.size(); ++r)
+    for (const auto& [i, a] : rows[r].entries)
+      for (const auto& [j, b] : rows[r].entries)
+        if (a != 0.0 && b != 0.0) visit(i, j, a * b);
 }
 
 Eigen::MatrixXd prior_information(const Problem& problem, const ParameterLayout& layout,

@@ -14,17 +14,22 @@
 
 namespace octant::calib {
 
-/// Weighted misfit of a taped distance and its derivative by the free coordinates of both beacons, in layout
-/// order.
-struct DistanceRow {
+/// One whitened observation of the shared parameters alone.
+struct PriorRow {
   double residual = 0.0;
   std::vector<std::pair<int, double>> entries;  ///< (column, derivative)
 };
 
-[[nodiscard]] DistanceRow distance_row(const ControlDistance& distance, const ParameterLayout& layout,
-                                       const SharedState& state);
+/// A taped distance, by the free coordinates of both beacons.
+[[nodiscard]] PriorRow distance_row(const ControlDistance& distance, const ParameterLayout& layout,
+                                    const SharedState& state);
 
-/// 1/2 the weighted squares of priors and control distances at x.
+/// A row for the prior of each parameter, of zeros where it has none; then those of taped distances and of
+/// what is known of several parameters together. Which columns each touches does not depend on x.
+[[nodiscard]] std::vector<PriorRow> prior_rows(const Problem& problem, const ParameterLayout& layout,
+                                               const Eigen::VectorXd& x);
+
+/// 1/2 the squares of all these rows at x.
 [[nodiscard]] double prior_cost(const Problem& problem, const ParameterLayout& layout,
                                 const Eigen::VectorXd& x);
 

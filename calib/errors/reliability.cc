@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "calib/adjust/leverage.h"
+#include "calib/adjust/priors.h"
 #include "calib/errors/residual_groups.h"
 #include "calib/errors/spread_leverage.h"
 #include "calib/errors/statistics.h"
@@ -243,26 +244,12 @@ class Collector {
 
   /// Priors and taped distances.
   void shared_observations() {
-    const Eigen::VectorXd x = layout_.vector_of(state_);
-    for (int i = 0; i < layout_.size(); ++i) {
-      const Parameter& p = layout_.parameters[static_cast<std::size_t>(i)];
-      if (!std::isfinite(p.prior_sigma)) continue;
-      const double h = std::min(1.0, sweep_.leverage_of({{i, 1.0 / p.prior_sigma}}));
-      kinds_[kPrior].add((x[i] - p.prior_mean) / p.prior_sigma, 1.0 - h);
-    }
-    for (const ControlDistance& d : problem_.site.distances) {
-      const Eigen::Vector3d v = state_.beacon_p_map_m[d.from.index()] - state_.beacon_p_map_m[d.to.index()];
-      const double length = std::max(v.norm(), 1e-9);
-      std::vector<std::pair<int, double>> entries;
-      for (std::size_t i = 0; i < 3; ++i) {
-        const double k = v[static_cast<int>(i)] / (length * d.sigma_m);
-        if (layout_.beacon[d.from.index()][i] >= 0)
-          entries.emplace_back(layout_.beacon[d.from.index()][i], k);
-        if (layout_.beacon[d.to.index()][i] >= 0) entries.emplace_back(layout_.beacon[d.to.index()][i], -k);
-      }
-      kinds_[kDistance].add((length - d.distance_m) / d.sigma_m,
-                            1.0 - std::min(1.0, sweep_.leverage_of(entries)));
-    }
+    const std::vector<PriorRow> rows = prior_rows(problem_, layout_, layout_.vector_of(state_));
+    const std::size_t distances = layout_.parameters.size();  // behind the priors
+    for (std::size_t i = 0; i < distances + problem_.site.distances.size(); ++i)
+      if (i >= distances || std::isfinite(layout_.parameters[i].prior_sigma))
+        kinds_[i < distances ? kPrior : kDistance].add(
+            rows[i].residual, 1.0 - std::min(1.0, sweep_.leverage_of(rows[i].entries)));
   }
 
   void arrivals() {

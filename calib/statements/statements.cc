@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "calib/adjust/information.h"
 #include "calib/adjust/priors.h"
 #include "calib/adjust/tile_sum.h"
 #include "calib/statements/refit.h"
@@ -106,12 +107,10 @@ class StatementTest {
     Problem problem = now_.problem;
     const ParameterLayout wide = stated_.layout_without(loose, now_.state(), problem);
     std::vector<Trajectory> trajectories = now_.trajectories;
-    TileSum tiles(trajectories, wide, {options_.threads, nullptr});
     const Eigen::VectorXd x = wide.vector_of(now_.state());
     const SharedState state = wide.state_of(x);
-    static_cast<void>(tiles.solve_states(state, {}));
-    ReducedSystem data;
-    tiles.reduce(state, {}, data);
+    const Information information =
+        information_at(problem, wide, trajectories, x, {}, {.threads = options_.threads});
     const double noise2 = std::max(1e-12, now_.noise_factor * now_.noise_factor);
     std::vector<int> free;
     std::vector<bool> held_column(static_cast<std::size_t>(wide.size()), false);
@@ -119,8 +118,9 @@ class StatementTest {
       for (const int c : columns_of(s, wide)) held_column[static_cast<std::size_t>(c)] = true;
     for (int c = 0; c < wide.size(); ++c)
       if (!held_column[static_cast<std::size_t>(c)]) free.push_back(c);
-    const Eigen::MatrixXd prior = prior_information(problem, wide, x);
-    const Eigen::MatrixXd C = inverse_of_information((data.H / noise2 + prior)(free, free));
+    const Eigen::MatrixXd H = information.data / noise2;
+    const Eigen::VectorXd gradient = information.data_gradient / noise2;
+    const Eigen::MatrixXd C = inverse_of_information((H + information.prior)(free, free));
     std::vector<int> place(static_cast<std::size_t>(wide.size()), -1);
     for (std::size_t i = 0; i < free.size(); ++i)
       place[static_cast<std::size_t>(free[i])] = static_cast<int>(i);
@@ -132,9 +132,9 @@ class StatementTest {
       if (s.what == What::kDistance) {
         suspect.sigmas = distance_sigmas(s.index, wide, state, C, place);
       } else if (is_held(s)) {
-        const Eigen::MatrixXd H_sf = data.H(columns, free) / noise2;
-        suspect.sigmas = released_sigmas(data.H(columns, columns) / noise2 - H_sf * C * H_sf.transpose(),
-                                         data.gradient(columns) / noise2);
+        const Eigen::MatrixXd H_sf = H(columns, free);
+        suspect.sigmas =
+            released_sigmas(H(columns, columns) - H_sf * C * H_sf.transpose(), gradient(columns));
       } else {
         suspect.sigmas = prior_sigmas(columns, wide, x, C, place);
       }
@@ -189,19 +189,12 @@ class StatementTest {
   [[nodiscard]] double distance_sigmas(std::size_t index, const ParameterLayout& layout,
                                        const SharedState& state, const Eigen::MatrixXd& C,
                                        const std::vector<int>& place) const {
-    const ControlDistance& d = site().distances[index];
-    const Eigen::Vector3d v = state.beacon_p_map_m[d.from.index()] - state.beacon_p_map_m[d.to.index()];
+    const PriorRow row = distance_row(site().distances[index], layout, state);
     Eigen::VectorXd a = Eigen::VectorXd::Zero(C.rows());
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double k = v[static_cast<Eigen::Index>(i)] / std::max(v.norm(), 1e-9);
-      if (const int c = layout.beacon[d.from.index()][i]; c >= 0 && place[static_cast<std::size_t>(c)] >= 0)
-        a[place[static_cast<std::size_t>(c)]] += k;
-      if (const int c = layout.beacon[d.to.index()][i]; c >= 0 && place[static_cast<std::size_t>(c)] >= 0)
-        a[place[static_cast<std::size_t>(c)]] -= k;
-    }
-    const double variance = d.sigma_m * d.sigma_m - a.dot(C * a);
-    return variance > 0.01 * d.sigma_m * d.sigma_m ? std::abs(v.norm() - d.distance_m) / std::sqrt(variance)
-                                                   : 0.0;
+    for (const auto& [column, value] : row.entries)
+      if (const int c = place[static_cast<std::size_t>(column)]; c >= 0) a[c] += value;
+    const double variance = 1.0 - a.dot(C * a);
+    return variance > 0.01 ? std::abs(row.residual) / std::sqrt(variance) : 0.0;
   }
 
   /// A control point most of whose arrivals were left out has no say any more: its innovation tells nothing.
@@ -281,18 +274,12 @@ class StatementTest {
   [[nodiscard]] Difference distance_difference(const Statement& s, const Fit& fit,
                                                const Eigen::MatrixXd& C) const {
     const ControlDistance& taped = site().distances[s.index];
-    const SharedState state = fit.state();
-    const Eigen::Vector3d between =
-        state.beacon_p_map_m[taped.from.index()] - state.beacon_p_map_m[taped.to.index()];
+    const PriorRow row = distance_row(taped, fit.layout, fit.state());
     Eigen::VectorXd a = Eigen::VectorXd::Zero(C.rows());
-    for (std::size_t i = 0; i < 3; ++i) {
-      const double k = between[static_cast<Eigen::Index>(i)] / std::max(between.norm(), 1e-9);
-      if (const int c = fit.layout.beacon[taped.from.index()][i]; c >= 0) a[c] += k;
-      if (const int c = fit.layout.beacon[taped.to.index()][i]; c >= 0) a[c] -= k;
-    }
+    for (const auto& [column, value] : row.entries) a[column] += value;
     Difference d;
-    d.v = Eigen::VectorXd::Constant(1, between.norm() - taped.distance_m);
-    d.covariance = Eigen::MatrixXd::Constant(1, 1, a.dot(C * a) + taped.sigma_m * taped.sigma_m);
+    d.v = Eigen::VectorXd::Constant(1, taped.sigma_m * row.residual);
+    d.covariance = Eigen::MatrixXd::Constant(1, 1, taped.sigma_m * taped.sigma_m * (a.dot(C * a) + 1.0));
     d.length_m = std::abs(d.v[0]);
     return d;
   }

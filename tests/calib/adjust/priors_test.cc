@@ -96,7 +96,7 @@ TEST(Priors, ATapesDerivativeIsTheNumericOne) {
 TEST(Priors, ATapeToAControlPointMovesItsOtherEndAlone) {
   const calib::Problem problem = taped_hall();
   const calib::ParameterLayout layout = layout_of(problem);
-  const calib::DistanceRow row =
+  const calib::PriorRow row =
       calib::distance_row(problem.site.distances[1], layout, prior_state(problem.site));
   ASSERT_EQ(row.entries.size(), 3U);
   for (const auto& [column, value] : row.entries)
@@ -110,7 +110,7 @@ TEST(Priors, ATapeBetweenBeaconsAtOnePlaceIsANumber) {
   SharedState state = prior_state(problem.site);
   state.beacon_p_map_m[1] = state.beacon_p_map_m[2];
   const ControlDistance& d = problem.site.distances[0];
-  const calib::DistanceRow row = calib::distance_row(d, layout, state);
+  const calib::PriorRow row = calib::distance_row(d, layout, state);
   EXPECT_NEAR(row.residual, -d.distance_m / d.sigma_m, 1e-3);  // the length counts as a nanometre
   for (const auto& [column, value] : row.entries) EXPECT_TRUE(std::isfinite(value));
 }
