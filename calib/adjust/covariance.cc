@@ -151,12 +151,14 @@ double Covariance::operator()(Eigen::Index i, Eigen::Index j) const {
   return sparse_ ? sparse_->at(i, j) : matrix_(i, j);
 }
 
-Eigen::MatrixXd Covariance::block(const std::vector<int>& columns) const {
+Eigen::MatrixXd Covariance::block(std::span<const int> columns) const {
   const auto n = static_cast<Eigen::Index>(columns.size());
-  Eigen::MatrixXd C(n, n);
+  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index i = 0; i < n; ++i)
     for (Eigen::Index j = 0; j <= i; ++j)
-      C(i, j) = C(j, i) = (*this)(columns[static_cast<std::size_t>(i)], columns[static_cast<std::size_t>(j)]);
+      if (const int a = columns[static_cast<std::size_t>(i)], b = columns[static_cast<std::size_t>(j)];
+          a >= 0 && b >= 0)
+        C(i, j) = C(j, i) = (*this)(a, b);
   return C;
 }
 

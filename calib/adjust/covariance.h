@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -34,7 +35,8 @@ class Covariance {
   [[nodiscard]] bool all_finite() const;
 
   [[nodiscard]] double operator()(Eigen::Index i, Eigen::Index j) const;
-  [[nodiscard]] Eigen::MatrixXd block(const std::vector<int>& columns) const;
+  /// @param columns  -1: a parameter that is held, of no variance
+  [[nodiscard]] Eigen::MatrixXd block(std::span<const int> columns) const;
   [[nodiscard]] Eigen::VectorXd times(const Eigen::VectorXd& v) const;
   /// Whole columns, size() x as many.
   [[nodiscard]] Eigen::MatrixXd columns(const std::vector<int>& columns) const;

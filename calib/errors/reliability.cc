@@ -242,7 +242,7 @@ class Collector {
     return std::isfinite(sigma) ? 1.0 / (sigma * sigma) : 0.0;
   }
 
-  /// Priors and taped distances.
+  /// Priors of single parameters, and taped distances.
   void shared_observations() {
     const std::vector<PriorRow> rows = prior_rows(problem_, layout_, layout_.vector_of(state_));
     const std::size_t distances = layout_.parameters.size();  // behind the priors
@@ -295,31 +295,22 @@ class Collector {
   }
 
   void left_out() {
+    std::vector<RejectionCounts> counts;
     if (log_ != nullptr) {
-      for (std::size_t b = 0; b < out_.beacons.size(); ++b) {
-        BeaconReliability& beacon = out_.beacons[b];
-        beacon.used = log_->count(b, Rejection::kUsed);
-        beacon.late = log_->count(b, Rejection::kLate);
-        beacon.early = log_->count(b, Rejection::kEarly);
-        beacon.other = std::accumulate(log_->of_beacon[b].begin(), log_->of_beacon[b].end(), std::size_t{0}) -
-                       beacon.used - beacon.late - beacon.early;
-      }
-      return;
+      counts = log_->of_beacon;
+    } else {
+      counts = rejections_by_beacon(trajectories_, out_.beacons.size());
+      for (const Trajectory& t : trajectories_)
+        for (const std::size_t i : t.stateless_arrivals)
+          counts[problem_.runs[t.run].arrivals[i].beacon.index()].add(Rejection::kNoPose);
     }
-    std::vector<std::size_t> used(out_.beacons.size(), 0);
-    for (const Trajectory& t : trajectories_) {
-      for (const ArrivalObservation& a : t.arrivals) {
-        if (a.rejection == Rejection::kUsed) {
-          used[a.beacon.index()] += 1;
-          continue;
-        }
-        BeaconReliability& b = out_.beacons[a.beacon.index()];
-        ++(a.rejection == Rejection::kLate ? b.late : a.rejection == Rejection::kEarly ? b.early : b.other);
-      }
-      for (const std::size_t i : t.stateless_arrivals)
-        ++out_.beacons[problem_.runs[t.run].arrivals[i].beacon.index()].other;
+    for (std::size_t b = 0; b < out_.beacons.size(); ++b) {
+      BeaconReliability& beacon = out_.beacons[b];
+      beacon.used = counts[b].of(Rejection::kUsed);
+      beacon.late = counts[b].of(Rejection::kLate);
+      beacon.early = counts[b].of(Rejection::kEarly);
+      beacon.other = counts[b].all() - beacon.used - counts[b].outliers();
     }
-    for (std::size_t b = 0; b < used.size(); ++b) out_.beacons[b].used = used[b];
   }
 
   [[nodiscard]] std::vector<std::string> receiver_names() const {
@@ -373,12 +364,7 @@ Reliability reliability_of(const Problem& problem, const ParameterLayout& layout
       Collector(problem, layout, trajectories, state, C, noise_factor, threads, all_epochs, log).run();
   for (std::size_t b = 0; b < out.beacons.size() && b < beacon_status.size(); ++b) {
     if (beacon_status[b] != BeaconStatus::kCalibrated) continue;
-    Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = 0; j < 3; ++j)
-        if (layout.beacon[b][i] >= 0 && layout.beacon[b][j] >= 0)
-          block(static_cast<int>(i), static_cast<int>(j)) = C(layout.beacon[b][i], layout.beacon[b][j]);
-    out.beacons[b].ellipse = error_ellipse(block);
+    out.beacons[b].ellipse = error_ellipse(C.block(layout.beacon[b]));
   }
   return out;
 }

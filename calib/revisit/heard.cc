@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "calib/problem/log_totals.h"
 #include "calib/problem/ranges.h"
 #include "calib/problem/trilaterate.h"
 
@@ -52,26 +53,17 @@ std::vector<Heard> heard_of_each(std::size_t count, const std::vector<Trajectory
 
 }  // namespace
 
-std::vector<Agreeing> agreeing(std::size_t beacons, const std::vector<Trajectory>& trajectories) {
-  std::vector<Agreeing> counts(beacons);
-  for (const Trajectory& t : trajectories)
-    for (const ArrivalObservation& a : t.arrivals) {
-      counts[a.beacon.index()].in_use += a.rejection == Rejection::kUsed;
-      counts[a.beacon.index()].out += is_outlier(a.rejection);
-    }
-  return counts;
-}
-
 std::vector<std::size_t> doubtful_beacons(const Deployment& before,
                                           const std::vector<Trajectory>& trajectories) {
-  const std::vector<Agreeing> counts = agreeing(before.beacons.size(), trajectories);
+  const std::vector<RejectionCounts> counts = rejections_by_beacon(trajectories, before.beacons.size());
   const auto share = [&](std::size_t b) {
-    return static_cast<double>(counts[b].out) /
-           static_cast<double>(std::max<std::size_t>(counts[b].in_use, 1));
+    return static_cast<double>(counts[b].outliers()) /
+           static_cast<double>(std::max<std::size_t>(counts[b].of(Rejection::kUsed), 1));
   };
   std::vector<std::size_t> doubtful;
   for (std::size_t b = 0; b < counts.size(); ++b)
-    if (before.beacons[b].status != BeaconStatus::kUndetermined && counts[b].out > 0 && share(b) >= kManyOut)
+    if (before.beacons[b].status != BeaconStatus::kUndetermined && counts[b].outliers() > 0 &&
+        share(b) >= kManyOut)
       doubtful.push_back(b);
   std::stable_sort(doubtful.begin(), doubtful.end(),
                    [&](std::size_t a, std::size_t b) { return share(a) > share(b); });

@@ -21,13 +21,6 @@ struct Heard {
                           ///< calibration left it
 };
 
-/// Arrivals of a beacon that an adjustment uses, and that it left out as echoes or spurious.
-struct Agreeing {
-  std::size_t in_use = 0, out = 0;
-};
-[[nodiscard]] std::vector<Agreeing> agreeing(std::size_t beacons,
-                                             const std::vector<Trajectory>& trajectories);
-
 /// Beacons that lost many of their arrivals, so that their places are in doubt; most doubtful first.
 [[nodiscard]] std::vector<std::size_t> doubtful_beacons(const Deployment& before,
                                                         const std::vector<Trajectory>& trajectories);

@@ -13,6 +13,7 @@
 #include "calib/adjust/priors.h"
 #include "calib/adjust/reject.h"
 #include "calib/errors/statistics.h"
+#include "calib/problem/log_totals.h"
 #include "calib/problem/ranges.h"
 #include "calib/problem/trilaterate.h"
 #include "calib/revisit/as_left.h"
@@ -136,10 +137,12 @@ class SecondVisit {
   /// @return whether one was placed anew
   bool locate_lost() {
     bool any = false;
-    const std::vector<Agreeing> counts = agreeing(before_.beacons.size(), fit_.trajectories);
+    const std::vector<RejectionCounts> counts =
+        rejections_by_beacon(fit_.trajectories, before_.beacons.size());
     const SharedState state = fit_.state();
     for (std::size_t b = 0; b < counts.size(); ++b) {
-      if (counts[b].out <= std::max(counts[b].in_use, kFewestRanges) || layout_.beacon[b][0] < 0) continue;
+      const std::size_t used = counts[b].of(Rejection::kUsed);
+      if (counts[b].outliers() <= std::max(used, kFewestRanges) || layout_.beacon[b][0] < 0) continue;
       TrilaterationOptions options;
       options.guess = before_.beacons[b].position_m;
       options.scale_m = 0.01 * fit_.problem.typical_range_m;

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "calib/problem/log_totals.h"
 #include "calib/problem/ranges.h"
 #include "calib/problem/site_units.h"
 #include "calib/problem/trilaterate.h"
@@ -105,17 +106,12 @@ std::vector<std::string> suspect_control_points(const Problem& problem, const Sh
                                                 const std::vector<Trajectory>& trajectories) {
   std::vector<std::string> warnings;
   const auto& beacons = problem.site.beacons;
-  std::vector<std::size_t> placed(beacons.size(), 0), out(beacons.size(), 0);
-  for (const Trajectory& t : trajectories)
-    for (const ArrivalObservation& a : t.arrivals) {
-      if (!t.nodes[a.node].placed) continue;
-      ++placed[a.beacon.index()];
-      out[a.beacon.index()] += a.rejection != Rejection::kUsed;
-    }
+  const std::vector<RejectionCounts> counts = rejections_by_beacon(trajectories, beacons.size());
   for (std::size_t b = 0; b < beacons.size(); ++b) {
-    const std::size_t rejected = out[b];
-    if (!beacons[b].is_control_point() || placed[b] < 10 ||
-        static_cast<double>(rejected) < kMostlyRejected * static_cast<double>(placed[b]))
+    const std::size_t placed = counts[b].all() - counts[b].of(Rejection::kNoPose),
+                      rejected = placed - counts[b].of(Rejection::kUsed);
+    if (!beacons[b].is_control_point() || placed < 10 ||
+        static_cast<double>(rejected) < kMostlyRejected * static_cast<double>(placed))
       continue;
     const std::vector<RangeFrom> ranges = ranges_to(trajectories, state, BeaconId(b));
     TrilaterationOptions options;

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calib/problem/log_totals.h"
 #include "calib/problem/ranges.h"
 #include "calib/statements/motions.h"
 #include "calib/verdict/observability.h"
@@ -38,45 +39,53 @@ constexpr std::size_t kFewestOfAReceiver = 20;
 /// All that is left out at one place is one event, and as few events are no contradiction.
 constexpr std::size_t kFewestPlaces = 5;
 
-struct BeaconCounts {
+/// Arrivals that were placed, of a beacon or at a receiver, and bearings of a beacon.
+struct HeardCounts {
   std::size_t placed = 0, late = 0, early = 0, bearings = 0, bearings_out = 0;
-  void add(const ArrivalObservation& a) {
-    ++placed;
-    late += a.rejection == Rejection::kLate;
-    early += a.rejection == Rejection::kEarly;
-  }
+  explicit HeardCounts(const RejectionCounts& arrivals)
+      : placed(arrivals.all() - arrivals.of(Rejection::kNoPose) - arrivals.of(Rejection::kBeaconUnusable)),
+        late(arrivals.of(Rejection::kLate)),
+        early(arrivals.of(Rejection::kEarly)) {}
   [[nodiscard]] std::size_t out() const { return late + early; }
   [[nodiscard]] double share() const {
     return placed > 0 ? static_cast<double>(out()) / static_cast<double>(placed) : 0.0;
   }
 };
 
-bool is_counted(const Trajectory& t, const ArrivalObservation& a) {
-  return t.nodes[a.node].placed && a.rejection != Rejection::kBeaconUnusable &&
-         a.rejection != Rejection::kNoPose;
-}
-
-std::vector<BeaconCounts> count(const Fit& fit) {
-  std::vector<BeaconCounts> counts(fit.problem.site.beacons.size());
-  for (const Trajectory& t : fit.trajectories) {
-    for (const ArrivalObservation& a : t.arrivals) {
-      if (is_counted(t, a)) counts[a.beacon.index()].add(a);
-    }
+std::vector<HeardCounts> count_by_beacon(const Fit& fit) {
+  const std::size_t beacons = fit.problem.site.beacons.size();
+  std::vector<HeardCounts> counts;
+  for (const RejectionCounts& arrivals : rejections_by_beacon(fit.trajectories, beacons))
+    counts.emplace_back(arrivals);
+  for (const Trajectory& t : fit.trajectories)
     for (const BearingObservation& b : t.bearings) {
       if (!b.reflector.valid() || !t.nodes[b.node].placed) continue;
       ++counts[b.reflector.index()].bearings;
       counts[b.reflector.index()].bearings_out += is_outlier(b.rejection);
     }
-  }
   return counts;
 }
 
-std::vector<BeaconCounts> count_by_receiver(const Fit& fit) {
-  std::vector<BeaconCounts> counts(fit.problem.site.receivers.size());
-  for (const Trajectory& t : fit.trajectories)
-    for (const ArrivalObservation& a : t.arrivals)
-      if (is_counted(t, a)) counts[a.receiver.index()].add(a);
+std::vector<HeardCounts> count_by_receiver(const Fit& fit) {
+  std::vector<HeardCounts> counts;
+  for (const RejectionCounts& arrivals :
+       count_rejections(fit.trajectories, fit.problem.site.receivers.size(),
+                        [](const ArrivalObservation& a) { return a.receiver.index(); }))
+    counts.emplace_back(arrivals);
   return counts;
+}
+
+/// Median share of what is left out of each that was heard at all.
+double usual_share(const std::vector<HeardCounts>& counts) {
+  std::vector<double> shares;
+  for (const HeardCounts& c : counts)
+    if (c.placed > 0) shares.push_back(c.share());
+  return median(std::move(shares));
+}
+
+bool is_counted(const Trajectory& t, const ArrivalObservation& a) {
+  return t.nodes[a.node].placed && a.rejection != Rejection::kBeaconUnusable &&
+         a.rejection != Rejection::kNoPose;
 }
 
 /// Places of the vehicle at which a beacon was heard, was left out, and was early.
@@ -110,13 +119,10 @@ class Checker {
         fit_(fit),
         besides_(besides),
         growth_(growth),
-        counts_(count(fit)) {}
+        counts_(count_by_beacon(fit)) {}
 
   Agreement run() {
-    std::vector<double> shares;
-    for (const BeaconCounts& c : counts_)
-      if (c.placed > 0) shares.push_back(c.share());
-    usual_ = shares.empty() ? 0.0 : median(shares);
+    usual_ = usual_share(counts_);
     beacons();
     receivers();
     stops();
@@ -137,7 +143,7 @@ class Checker {
   void beacons() {
     std::vector<std::size_t> suspects;
     for (std::size_t b = 0; b < counts_.size(); ++b) {
-      const BeaconCounts& c = counts_[b];
+      const HeardCounts& c = counts_[b];
       if (!fit_.beacon_usable[b] || said(problem_.site.beacons[b].name)) continue;
       if (c.bearings >= 10 && 2 * c.bearings_out > c.bearings) bearings_left_out(b);
       if (is_suspect(c, kSomeLeftOut, kBeyondOthersIfMoved)) suspects.push_back(b);
@@ -196,7 +202,7 @@ class Checker {
   }
 
   void much_left_out(std::size_t b, const Places& places) {
-    const BeaconCounts& c = counts_[b];
+    const HeardCounts& c = counts_[b];
     const std::string& name = problem_.site.beacons[b].name;
     if (c.early >= kFewestLeftOut && places.early >= kFewestPlaces &&
         static_cast<double>(places.early) > kManyEarly * static_cast<double>(places.heard) &&
@@ -221,7 +227,7 @@ class Checker {
 
   void bearings_left_out(std::size_t b) {
     const std::string& name = problem_.site.beacons[b].name;
-    const BeaconCounts& c = counts_[b];
+    const HeardCounts& c = counts_[b];
     out_.contradictions.push_back({ContradictionKind::kBeacon, name, "in the directions that were measured",
                                    fmt::format("{} of {} bearings elsewhere", c.bearings_out, c.bearings),
                                    0.0,
@@ -233,14 +239,12 @@ class Checker {
   /// Echoes and obstacles are of places and beacons: where one receiver alone does not fit, it is not what or
   /// where it is said to be.
   void receivers() {
-    const std::vector<BeaconCounts> counts = count_by_receiver(fit_);
-    std::vector<double> shares;
-    for (const BeaconCounts& c : counts)
-      if (c.placed > 0) shares.push_back(c.share());
-    if (shares.size() < 2) return;
-    const double usual = median(shares);
+    const std::vector<HeardCounts> counts = count_by_receiver(fit_);
+    if (std::count_if(counts.begin(), counts.end(), [](const HeardCounts& c) { return c.placed > 0; }) < 2)
+      return;
+    const double usual = usual_share(counts);
     for (std::size_t r = 0; r < counts.size(); ++r) {
-      const BeaconCounts& c = counts[r];
+      const HeardCounts& c = counts[r];
       const SiteReceiver& receiver = problem_.site.receivers[r];
       const std::string name = problem_.site.vehicles[receiver.vehicle.index()].name + "/" + receiver.name;
       if (c.placed < kFewestOfAReceiver || said(name) ||
@@ -297,7 +301,7 @@ class Checker {
   const Fit& fit_;
   const std::vector<Contradiction>& besides_;
   double growth_;
-  std::vector<BeaconCounts> counts_;
+  std::vector<HeardCounts> counts_;
   double usual_ = 0.0;
   Agreement out_;
 };

@@ -30,8 +30,7 @@ AdjustOptions alone(const SolveOptions& options, double scale, double function_t
   return adjust;
 }
 
-/// Left out though it might have been in use.
-
+/// Observations left out though they might have been in use.
 std::size_t left_out_count(const std::vector<Trajectory>& trajectories) {
   std::size_t count = 0;
   for (const Trajectory& t : trajectories) {

@@ -11,7 +11,7 @@
 
 #include "calib/adjust/information.h"
 #include "calib/adjust/priors.h"
-#include "calib/adjust/tile_sum.h"
+#include "calib/problem/log_totals.h"
 #include "calib/statements/refit.h"
 #include "calib/statements/statement.h"
 #include "calib/statements/statement_words.h"
@@ -200,14 +200,11 @@ class StatementTest {
   /// A control point most of whose arrivals were left out has no say any more: its innovation tells nothing.
   [[nodiscard]] bool is_mostly_left_out(const Statement& s) const {
     if (s.what != What::kControlPoint) return false;
-    std::size_t placed = 0, out = 0;
-    for (const Trajectory& t : now_.trajectories)
-      for (const ArrivalObservation& a : t.arrivals) {
-        if (a.beacon.index() != s.index || !t.nodes[a.node].placed) continue;
-        ++placed;
-        out += is_outlier(a.rejection);
-      }
-    return placed >= 10 && static_cast<double>(out) > kMostlyLeftOut * static_cast<double>(placed);
+    const RejectionCounts counts =
+        rejections_by_beacon(now_.trajectories, now_.beacon_usable.size())[s.index];
+    const std::size_t placed = counts.all() - counts.of(Rejection::kNoPose);
+    return placed >= 10 &&
+           static_cast<double>(counts.outliers()) > kMostlyLeftOut * static_cast<double>(placed);
   }
 
   [[nodiscard]] bool is_released(const Statement& s) const {

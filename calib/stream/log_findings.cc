@@ -58,7 +58,7 @@ void FindingsGatherer::read(const std::vector<double>& numbers) {
 
 void FindingsGatherer::count_stateless(std::size_t beacon, std::size_t arrivals) {
   counts_.rejected += arrivals;
-  totals_.of_beacon[beacon][static_cast<std::size_t>(Rejection::kNoPose)] += arrivals;
+  totals_.of_beacon[beacon].add(Rejection::kNoPose, arrivals);
 }
 
 GatheredFindings FindingsGatherer::findings(const Estimate& estimate) && {
@@ -175,16 +175,16 @@ void FindingsGatherer::read_bearings(std::size_t run, BufferReader& buffer) {
 
 /// Where states were, how warm it was, and what became of the arrivals.
 void FindingsGatherer::write_extent(const TrajectoryFindings& part, BufferWriter& buffer) const {
-  std::vector<std::array<std::size_t, kRejections>> of_beacon(frame_.site.beacons.size());
+  std::vector<RejectionCounts> of_beacon(frame_.site.beacons.size());
   double coldest = INFINITY, hottest = -INFINITY;
   for (const ArrivalObservation& a : part.trajectory.arrivals) {
-    ++of_beacon[a.beacon.index()][static_cast<std::size_t>(a.rejection)];
+    of_beacon[a.beacon.index()].add(a.rejection);
     const double degC = temperature_of(part.log.arrivals[a.arrival], part.log, frame_.site);
     coldest = std::min(coldest, degC);
     hottest = std::max(hottest, degC);
   }
   for (const std::size_t a : part.trajectory.stateless_arrivals)
-    ++of_beacon[part.log.arrivals[a].beacon.index()][static_cast<std::size_t>(Rejection::kNoPose)];
+    of_beacon[part.log.arrivals[a].beacon.index()].add(Rejection::kNoPose);
   for (const auto& counts : of_beacon)
     for (const std::size_t count : counts) buffer.put_count(count);
   std::vector<Eigen::Vector2d> places;

@@ -30,15 +30,6 @@ double worst_sigma_m(const Eigen::Matrix3d& covariance_m2) {
       std::max(0.0, SymmetricEigen<Eigen::Matrix3d>(covariance_m2, Eigen::EigenvaluesOnly).eigenvalues()[2]));
 }
 
-Eigen::Matrix3d beacon_block(const ParameterLayout& layout, const Covariance& C, std::size_t b) {
-  Eigen::Matrix3d block = Eigen::Matrix3d::Zero();
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j)
-      if (layout.beacon[b][i] >= 0 && layout.beacon[b][j] >= 0)
-        block(static_cast<int>(i), static_cast<int>(j)) = C(layout.beacon[b][i], layout.beacon[b][j]);
-  return block;
-}
-
 double sigma_of(const Covariance& C, int column) {
   return column < 0 ? 0.0 : std::sqrt(std::max(0.0, C(column, column)));
 }
@@ -66,7 +57,7 @@ class Judge {
     }
     for (std::size_t b = 0; b < site_.beacons.size(); ++b) {
       BeaconStatus status = BeaconStatus::kCalibrated;
-      const double sigma_m = std::max(worst_sigma_m(beacon_block(layout_, C_, b)),
+      const double sigma_m = std::max(worst_sigma_m(C_.block(layout_.beacon[b])),
                                       sigma_of(C_, layout_.column_of(parameters::beacon_delay(b))));
       if (site_.beacons[b].is_control_point()) {
         status = BeaconStatus::kControlPoint;
