@@ -17,10 +17,6 @@ class KeptStates {
   void clear() { numbers_.clear(); }
   void reserve(const Trajectory& like, std::size_t states) { numbers_.reserve(states * numbers_of(like)); }
   [[nodiscard]] std::size_t count(const Trajectory& like) const { return numbers_.size() / numbers_of(like); }
-  /// Whether a state of such a trajectory has a place. @param state  a number from 0
-  [[nodiscard]] bool has_place(const Trajectory& like, std::size_t state) const {
-    return !std::isnan(numbers_[state * numbers_of(like) + 2]);
-  }
 
   void add(const Trajectory& like, const Node& node) {
     const Pose& T = node.T_map_vehicle;
@@ -57,6 +53,44 @@ class KeptStates {
            (like.motion_prior ? 3U : 0U);
   }
   std::vector<double> numbers_;
+};
+
+/// What remains of a trajectory between the readings of a log.
+class KeptTrajectory {
+ public:
+  /// Keeps the states [first_node, last_node), so many arrivals, and the bearings from the first state on
+  /// that begin before the last one, or all to the trajectory's end.
+  void keep(const Trajectory& t, std::size_t first_node, std::size_t last_node, std::size_t first_arrival,
+            std::size_t arrivals) {
+    states_.clear();
+    rejections_.clear();
+    states_.reserve(t, last_node - first_node);
+    for (std::size_t k = first_node; k < last_node; ++k) states_.add(t, t.nodes[k]);
+    for (std::size_t i = first_arrival; i < first_arrival + arrivals; ++i)
+      rejections_.push_back(t.arrivals[i].rejection);
+    for (const BearingObservation& b : t.bearings)
+      if (b.node >= first_node && (b.node + 1 < last_node || last_node == t.nodes.size()))
+        rejections_.push_back(b.rejection);
+  }
+  void keep(const Trajectory& t) { keep(t, 0, t.nodes.size(), 0, t.arrivals.size()); }
+
+  /// Whether a trajectory has as many states and observations.
+  [[nodiscard]] bool fits(const Trajectory& t) const {
+    return states_.count(t) == t.nodes.size() && rejections_.size() == t.arrivals.size() + t.bearings.size();
+  }
+  void restore(Trajectory& t) const {
+    for (std::size_t k = 0; k < t.nodes.size(); ++k) states_.put(t, k, t.nodes[k]);
+    std::size_t mark = 0;
+    for (ArrivalObservation& a : t.arrivals) a.rejection = rejections_[mark++];
+    for (BearingObservation& b : t.bearings) b.rejection = rejections_[mark++];
+  }
+
+  KeptStates& states() { return states_; }
+  std::vector<Rejection>& rejections() { return rejections_; }
+
+ private:
+  KeptStates states_;
+  std::vector<Rejection> rejections_;  ///< of arrivals, then of bearings
 };
 
 }  // namespace octant::calib

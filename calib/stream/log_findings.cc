@@ -15,6 +15,24 @@
 #include "calib/verdict/validity.h"
 
 namespace octant::calib {
+namespace {
+
+template <class Buffer>
+void exchange(Buffer& buffer, BufferRecord<ObservationCounts> auto&& counts) {
+  buffer.exchange(counts.used, counts.rejected, counts.states, counts.observations, counts.squares_s2);
+}
+
+template <class Buffer>
+void exchange(Buffer& buffer, BufferRecord<PairSeries> auto&& series) {
+  buffer.exchange(series.count, series.sum, series.squares, series.products, series.first, series.last);
+}
+
+template <class Buffer>
+void exchange(Buffer& buffer, BufferRecord<LeftOutBearing> auto&& b) {
+  buffer.exchange(b.run, b.bearing, b.reason, b.residual_rad);
+}
+
+}  // namespace
 
 FindingsGatherer::FindingsGatherer(const Problem& frame, const Estimate& estimate, std::size_t states)
     : frame_(frame), model_(trajectory_model(frame.site)), state_(estimate.state()) {
@@ -50,7 +68,7 @@ void FindingsGatherer::read(const std::vector<double>& numbers) {
     of.series.resize(state_.beacon_p_map_m.size() * state_.receiver_p_vehicle_m.size());
     read_series(of.series, buffer);
     for (std::size_t n = buffer.count(); n > 0; --n) of.flipped.push_back(buffer.integer());
-    read_bearings(run, buffer);
+    read_bearings(buffer);
     read_extent(buffer);
     read_trajectory(model_, buffer, of.some, findings_.arrivals[run]);
   }
@@ -99,11 +117,9 @@ void FindingsGatherer::leave_out_bearings_of_no_state() {
 }
 
 void FindingsGatherer::write_counts(const TrajectoryFindings& part, BufferWriter& buffer) const {
-  const ObservationCounts counts = count_observations(part.trajectory, state_);
-  for (const std::size_t count : {counts.used, counts.rejected, counts.states - part.counted_before})
-    buffer.put_count(count);
-  buffer.put(counts.observations);
-  buffer.put(counts.squares_s2);
+  ObservationCounts counts = count_observations(part.trajectory, state_);
+  counts.states -= part.counted_before;
+  exchange(buffer, counts);
 }
 
 void FindingsGatherer::write_stateless(const TrajectoryFindings& part, BufferWriter& buffer) {
@@ -122,9 +138,7 @@ void FindingsGatherer::read_stateless(OfTrajectory& of, BufferReader& buffer) {
 
 void FindingsGatherer::read_counts(BufferReader& buffer) {
   ObservationCounts counts;
-  for (std::size_t* count : {&counts.used, &counts.rejected, &counts.states}) *count = buffer.count();
-  counts.observations = buffer.get();
-  counts.squares_s2 = buffer.get();
+  exchange(buffer, counts);
   counts_.add(counts);
 }
 
@@ -135,41 +149,33 @@ void FindingsGatherer::write_series(const Trajectory& t, BufferWriter& buffer) c
   for (std::size_t i = 0; i < series.size(); ++i) {
     if (series[i].count == 0) continue;
     buffer.put_count(i);
-    buffer.put_count(series[i].count);
-    for (const double number :
-         {series[i].sum, series[i].squares, series[i].products, series[i].first, series[i].last})
-      buffer.put(number);
+    exchange(buffer, series[i]);
   }
 }
 
 void FindingsGatherer::read_series(std::vector<PairSeries>& series, BufferReader& buffer) {
   for (std::size_t n = buffer.count(); n > 0; --n) {
     PairSeries& pair = series[buffer.count()];
-    PairSeries s;
-    s.count = buffer.count();
-    for (double* number : {&s.sum, &s.squares, &s.products, &s.first, &s.last}) *number = buffer.get();
-    pair.append(s);
+    PairSeries later;
+    exchange(buffer, later);
+    pair.append(later);
   }
 }
 
 /// All bearings of a part, with what they are off by where they do not fit.
 void FindingsGatherer::write_bearings(const Trajectory& t, BufferWriter& buffer) const {
   buffer.put_count(t.bearings.size());
-  for (std::size_t i = 0; i < t.bearings.size(); ++i) {
-    buffer.put_count(t.bearings[i].bearing);
-    buffer.put_count(static_cast<std::size_t>(t.bearings[i].rejection));
-    buffer.put(misfit_rad(t, i, state_));
-  }
+  for (std::size_t i = 0; i < t.bearings.size(); ++i)
+    exchange(buffer,
+             LeftOutBearing{t.run, t.bearings[i].bearing, t.bearings[i].rejection, misfit_rad(t, i, state_)});
 }
 
-void FindingsGatherer::read_bearings(std::size_t run, BufferReader& buffer) {
+void FindingsGatherer::read_bearings(BufferReader& buffer) {
   for (std::size_t n = buffer.count(); n > 0; --n) {
-    const std::size_t bearing = buffer.count();
-    const auto reason = static_cast<Rejection>(buffer.count());
-    const double misfit_rad = buffer.get();
-    carried_[run][bearing] = true;
-    if (reason != Rejection::kUsed)
-      findings_.findings.left_out.bearings.push_back({run, bearing, reason, misfit_rad});
+    LeftOutBearing bearing;
+    exchange(buffer, bearing);
+    carried_[bearing.run][bearing.bearing] = true;
+    if (bearing.reason != Rejection::kUsed) findings_.findings.left_out.bearings.push_back(bearing);
   }
 }
 

@@ -69,7 +69,7 @@ class FindingsGatherer {
   void read_counts(BufferReader& buffer);
   static void read_stateless(OfTrajectory& of, BufferReader& buffer);
   static void read_series(std::vector<PairSeries>& series, BufferReader& buffer);
-  void read_bearings(std::size_t run, BufferReader& buffer);
+  void read_bearings(BufferReader& buffer);
   void read_extent(BufferReader& buffer);
 
   const Problem& frame_;

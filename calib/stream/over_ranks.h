@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "calib/adjust/ranks.h"
+#include "calib/problem/log_buffer.h"
 
 namespace octant::calib {
 
@@ -22,6 +23,17 @@ inline std::pair<std::size_t, std::size_t> parts_of(const Ranks* ranks, std::siz
 
 inline void sum_over(const Ranks* ranks, std::vector<double>& numbers) {
   if (ranks != nullptr) ranks->sum(numbers);
+}
+/// Adds up each number of a record (log_buffer.h), which has the same size on all ranks.
+template <class Record>
+void sum_over(const Ranks* ranks, Record& record) {
+  if (ranks == nullptr) return;
+  std::vector<double> numbers;
+  BufferWriter writer(numbers);
+  exchange(writer, record);
+  ranks->sum(numbers);
+  BufferReader reader(numbers);
+  exchange(reader, record);
 }
 
 /// Lists of all parts of all ranks, one behind the other in the order of the parts.

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <map>
 #include <mutex>
@@ -10,6 +9,7 @@
 
 #include "calib/adjust/tile.h"
 #include "calib/errors/statistics.h"
+#include "calib/problem/log_buffer.h"
 
 namespace octant::calib {
 
@@ -18,34 +18,19 @@ struct PassCounts {
   double cost_before = 0.0;  ///< with the rejections as they were before the pass
   std::size_t changed = 0;   ///< marks
   ObservationCounts of_log;  ///< without residuals
-  static constexpr int kSize = 6;
 
   void add(const PassCounts& other) {
     cost_before += other.cost_before;
     changed += other.changed;
     of_log.add(other.of_log);
   }
-  /// As ranks add them up.
-  [[nodiscard]] std::array<double, kSize> as_numbers() const {
-    return {cost_before,
-            static_cast<double>(changed),
-            static_cast<double>(of_log.used),
-            static_cast<double>(of_log.rejected),
-            of_log.observations,
-            static_cast<double>(of_log.states)};
-  }
-  /// @param numbers  kSize of them, as of as_numbers()
-  static PassCounts from_numbers(const double* numbers) {
-    PassCounts counts;
-    counts.cost_before = numbers[0];
-    counts.changed = static_cast<std::size_t>(numbers[1]);
-    counts.of_log.used = static_cast<std::size_t>(numbers[2]);
-    counts.of_log.rejected = static_cast<std::size_t>(numbers[3]);
-    counts.of_log.observations = numbers[4];
-    counts.of_log.states = static_cast<std::size_t>(numbers[5]);
-    return counts;
-  }
 };
+/// As ranks add them up.
+template <class Buffer>
+void exchange(Buffer& buffer, BufferRecord<PassCounts> auto&& counts) {
+  buffer.exchange(counts.cost_before, counts.changed, counts.of_log.used, counts.of_log.rejected,
+                  counts.of_log.observations, counts.of_log.states);
+}
 
 /// What one reading of a log leaves of it at an estimate.
 struct PassSum {
@@ -59,6 +44,12 @@ struct PassSum {
     counts.add(other.counts);
   }
 };
+/// @param sum  its system has the size that it had when it was written
+template <class Buffer>
+void exchange(Buffer& buffer, BufferRecord<PassSum> auto&& sum) {
+  buffer.exchange(sum.system.cost, sum.system.gradient, sum.system.H);
+  exchange(buffer, sum.counts);
+}
 
 /// Which arrivals a pass rejects anew.
 enum class RejectionPolicy {

@@ -2,126 +2,70 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/stream/trajectory_buffer.h"
 
-#include "calib/adjust/node_numbers.h"
-
 namespace octant::calib {
 namespace {
 
-void put_node(const Node& node, BufferWriter& buffer) {
-  double numbers[kNumbersOfNode];
-  put_numbers(node, numbers);
-  for (const double number : numbers) buffer.put(number);
-  buffer.put(node.time_s);
-  buffer.put_integer(node.epoch);
-}
-Node get_node(BufferReader& buffer) {
-  double numbers[kNumbersOfNode];
-  for (double& number : numbers) number = buffer.get();
-  Node node;
-  read_numbers(numbers, node);
-  node.time_s = buffer.get();
-  node.epoch = buffer.integer();
-  return node;
+template <class Buffer>
+void exchange(Buffer& buffer, BufferRecord<Pose> auto&& T) {
+  buffer.exchange(T.translation_m, T.rotation.coeffs());
 }
 
-void put_pose(const Pose& T, BufferWriter& buffer) {
-  for (Eigen::Index i = 0; i < 3; ++i) buffer.put(T.translation_m[i]);
-  for (Eigen::Index i = 0; i < 4; ++i) buffer.put(T.rotation.coeffs()[i]);
-}
-Pose get_pose(BufferReader& buffer) {
-  Pose T;
-  for (Eigen::Index i = 0; i < 3; ++i) T.translation_m[i] = buffer.get();
-  for (Eigen::Index i = 0; i < 4; ++i) T.rotation.coeffs()[i] = buffer.get();
-  return T;
+template <class Buffer>
+void exchange(Buffer& buffer, BufferRecord<Node> auto&& node) {
+  exchange(buffer, node.T_map_vehicle);
+  buffer.exchange(node.cycle_offset_s, node.velocity, node.placed, node.time_s, node.epoch);
 }
 
-void put_arrival(const ArrivalObservation& o, const Arrival& a, BufferWriter& buffer) {
-  buffer.put_count(o.node);
-  buffer.put_count(static_cast<std::size_t>(o.rejection));
-  for (const double number :
-       {o.alpha, o.model_speed_mps, o.sigma_s, a.time_s, a.tof_s, a.amplitude_v, a.temperature_degC})
-    buffer.put(number);
-  buffer.put_count(a.beacon.index());
-  buffer.put_count(a.receiver.index());
-  buffer.put_integer(a.epoch);
-  buffer.put_integer(a.line);
-}
-ArrivalObservation get_arrival(const TrajectoryModel& model, VehicleId vehicle, BufferReader& buffer,
-                               Arrival& a) {
-  const std::size_t node = buffer.count();
-  const auto rejection = static_cast<Rejection>(buffer.count());
-  const double alpha = buffer.get(), speed_mps = buffer.get(), sigma_s = buffer.get();
-  for (double* number : {&a.time_s, &a.tof_s, &a.amplitude_v, &a.temperature_degC}) *number = buffer.get();
-  a.beacon = BeaconId(buffer.count());
-  a.receiver = ReceiverId(buffer.count());
-  a.vehicle = vehicle;
-  a.epoch = buffer.integer();
-  a.line = static_cast<int>(buffer.integer());
-  ArrivalObservation o = observe(a, model, speed_mps);
-  o.node = static_cast<std::uint32_t>(node);
-  o.alpha = alpha;
-  o.sigma_s = sigma_s;
-  o.rejection = rejection;
-  return o;
+/// An arrival of a vehicle, and what of its observation does not follow from it.
+template <class Buffer>
+void exchange(Buffer& buffer, BufferRecord<ArrivalObservation> auto&& o, BufferRecord<Arrival> auto&& a) {
+  buffer.exchange(o.node, o.rejection, o.alpha, o.model_speed_mps, o.sigma_s);
+  buffer.exchange(a.time_s, a.tof_s, a.amplitude_v, a.temperature_degC, a.beacon.value, a.receiver.value,
+                  a.epoch, a.line);
 }
 
-void put_bearing(const BearingObservation& o, BufferWriter& buffer) {
-  for (const std::size_t count : {o.node, o.bearing, static_cast<std::size_t>(o.rejection)})
-    buffer.put_count(count);
-  buffer.put_integer(o.reflector.value);
-  for (const double number : {o.alpha, o.bearing_rad, o.sigma_rad}) buffer.put(number);
-}
-BearingObservation get_bearing(BufferReader& buffer) {
-  BearingObservation o;
-  o.node = buffer.count();
-  o.bearing = buffer.count();
-  o.rejection = static_cast<Rejection>(buffer.count());
-  o.reflector.value = static_cast<std::int32_t>(buffer.integer());
-  for (double* number : {&o.alpha, &o.bearing_rad, &o.sigma_rad}) *number = buffer.get();
-  return o;
+template <class Buffer>
+void exchange(Buffer& buffer, BufferRecord<BearingObservation> auto&& o) {
+  buffer.exchange(o.node, o.bearing, o.rejection, o.reflector.value, o.alpha, o.bearing_rad, o.sigma_rad);
 }
 
-void put_measured_pose(const PoseObservation& o, BufferWriter& buffer) {
-  buffer.put_count(o.node);
-  put_pose(o.T_map_vehicle, buffer);
-  for (const double number : {o.alpha, o.position_sigma_m, o.heading_sigma_rad, o.attitude_sigma_rad})
-    buffer.put(number);
-}
-PoseObservation get_measured_pose(BufferReader& buffer) {
-  PoseObservation o;
-  o.node = buffer.count();
-  o.T_map_vehicle = get_pose(buffer);
-  for (double* number : {&o.alpha, &o.position_sigma_m, &o.heading_sigma_rad, &o.attitude_sigma_rad})
-    *number = buffer.get();
-  return o;
+template <class Buffer>
+void exchange(Buffer& buffer, BufferRecord<PoseObservation> auto&& o) {
+  exchange(buffer, o.T_map_vehicle);
+  buffer.exchange(o.node, o.alpha, o.position_sigma_m, o.heading_sigma_rad, o.attitude_sigma_rad);
 }
 
-void put_odometry(const OdometryObservation& o, BufferWriter& buffer) {
-  buffer.put_count(o.node);
-  put_pose(o.T_before_after, buffer);
-  for (const double number : {o.distance_sigma_m, o.heading_sigma_rad}) buffer.put(number);
-}
-OdometryObservation get_odometry(BufferReader& buffer) {
-  OdometryObservation o;
-  o.node = buffer.count();
-  o.T_before_after = get_pose(buffer);
-  for (double* number : {&o.distance_sigma_m, &o.heading_sigma_rad}) *number = buffer.get();
-  return o;
+template <class Buffer>
+void exchange(Buffer& buffer, BufferRecord<OdometryObservation> auto&& o) {
+  exchange(buffer, o.T_before_after);
+  buffer.exchange(o.node, o.distance_sigma_m, o.heading_sigma_rad);
 }
 
-void put_segment(const Segment& s, BufferWriter& buffer) {
-  for (const std::size_t count :
-       {s.first_node, s.last_node, s.first_arrival, s.last_arrival, s.first_bearing, s.last_bearing,
-        s.first_pose, s.last_pose, s.first_odometry, s.last_odometry, s.first_motion, s.last_motion})
-    buffer.put_count(count);
+template <class Buffer>
+void exchange(Buffer& buffer, BufferRecord<MotionObservation> auto&& o) {
+  buffer.exchange(o.node, o.step_s);
 }
-Segment get_segment(BufferReader& buffer) {
-  Segment s;
-  for (std::size_t* count :
-       {&s.first_node, &s.last_node, &s.first_arrival, &s.last_arrival, &s.first_bearing, &s.last_bearing,
-        &s.first_pose, &s.last_pose, &s.first_odometry, &s.last_odometry, &s.first_motion, &s.last_motion})
-    *count = buffer.count();
-  return s;
+
+template <class Buffer>
+void exchange(Buffer& buffer, BufferRecord<Segment> auto&& s) {
+  buffer.exchange(s.first_node, s.last_node, s.first_arrival, s.last_arrival, s.first_bearing, s.last_bearing,
+                  s.first_pose, s.last_pose, s.first_odometry, s.last_odometry, s.first_motion,
+                  s.last_motion);
+}
+
+template <class Record>
+void write_list(const std::vector<Record>& list, BufferWriter& buffer) {
+  buffer.put_count(list.size());
+  for (const Record& record : list) exchange(buffer, record);
+}
+
+/// Reads records behind those that a list holds, and hands each to `renumber`.
+template <class Record, class Renumber>
+void read_list(BufferReader& buffer, std::vector<Record>& list, Renumber&& renumber) {
+  for (std::size_t n = buffer.count(); n > 0; --n) {
+    exchange(buffer, list.emplace_back());
+    renumber(list.back());
+  }
 }
 
 /// Moves the ranges of a segment behind what the lists hold.
@@ -137,26 +81,18 @@ void move_behind(const Trajectory& to, Segment& s) {
 }  // namespace
 
 void write_trajectory(const Trajectory& t, const std::vector<Arrival>& rows, BufferWriter& buffer) {
-  buffer.put_count(t.moving ? 1 : 0);
-  buffer.put_count(t.motion_prior ? 1 : 0);
-  buffer.put(t.nominal_speed_mps);
-  buffer.put_count(t.segments.size());
-  for (const Segment& s : t.segments) put_segment(s, buffer);
-  for (const std::size_t count : {t.arrivals.size(), t.bearings.size(), t.poses.size(), t.odometry.size(),
-                                  t.motion_steps.size(), t.nodes.size()})
-    buffer.put_count(count);
+  buffer.exchange(t.moving, t.motion_prior.has_value(), t.nominal_speed_mps);
+  write_list(t.segments, buffer);
+  buffer.put_count(t.arrivals.size());
   for (const ArrivalObservation& o : t.arrivals) {
-    put_arrival(o, rows[o.arrival], buffer);
-    if (o.two_way) put_pose(t.T_hear_send[static_cast<std::size_t>(o.hear_send)], buffer);
+    exchange(buffer, o, rows[o.arrival]);
+    if (o.two_way) exchange(buffer, t.T_hear_send[static_cast<std::size_t>(o.hear_send)]);
   }
-  for (const BearingObservation& o : t.bearings) put_bearing(o, buffer);
-  for (const PoseObservation& o : t.poses) put_measured_pose(o, buffer);
-  for (const OdometryObservation& o : t.odometry) put_odometry(o, buffer);
-  for (const MotionObservation& o : t.motion_steps) {
-    buffer.put_count(o.node);
-    buffer.put(o.step_s);
-  }
-  for (const Node& node : t.nodes) put_node(node, buffer);
+  write_list(t.bearings, buffer);
+  write_list(t.poses, buffer);
+  write_list(t.odometry, buffer);
+  write_list(t.motion_steps, buffer);
+  write_list(t.nodes, buffer);
 }
 
 void read_trajectory(const TrajectoryModel& model, BufferReader& buffer, Trajectory& to,
@@ -164,48 +100,32 @@ void read_trajectory(const TrajectoryModel& model, BufferReader& buffer, Traject
   to.motion = model.motion;
   to.has_cycle_offset = model.timing.clock == Clock::kCycleOffset;
   to.turnaround_s = model.timing.turnaround_s;
-  to.moving = buffer.count() != 0;
-  if (buffer.count() != 0) to.motion_prior = model.motion_priors[to.vehicle.index()];
-  to.nominal_speed_mps = buffer.get();
+  bool has_motion_prior = false;
+  buffer.exchange(to.moving, has_motion_prior, to.nominal_speed_mps);
+  if (has_motion_prior) to.motion_prior = model.motion_priors[to.vehicle.index()];
+  read_list(buffer, to.segments, [&to](Segment& s) { move_behind(to, s); });
   const std::size_t nodes = to.nodes.size();
   for (std::size_t n = buffer.count(); n > 0; --n) {
-    Segment s = get_segment(buffer);
-    move_behind(to, s);
-    to.segments.push_back(s);
+    ArrivalObservation kept;
+    Arrival& a = rows.emplace_back();
+    a.vehicle = to.vehicle;
+    exchange(buffer, kept, a);
+    ArrivalObservation& o = to.arrivals.emplace_back(observe(a, model, kept.model_speed_mps));
+    o.node = kept.node + static_cast<std::uint32_t>(nodes);
+    o.arrival = static_cast<std::uint32_t>(rows.size() - 1);
+    o.alpha = kept.alpha;
+    o.sigma_s = kept.sigma_s;
+    o.rejection = kept.rejection;
+    if (!o.two_way) continue;
+    o.hear_send = static_cast<std::int32_t>(to.T_hear_send.size());
+    exchange(buffer, to.T_hear_send.emplace_back());
   }
-  std::size_t counts[6];
-  for (std::size_t& count : counts) count = buffer.count();
-  for (; counts[0] > 0; --counts[0]) {
-    Arrival a;
-    ArrivalObservation o = get_arrival(model, to.vehicle, buffer, a);
-    o.node += static_cast<std::uint32_t>(nodes);
-    o.arrival = static_cast<std::uint32_t>(rows.size());
-    if (o.two_way) {
-      o.hear_send = static_cast<std::int32_t>(to.T_hear_send.size());
-      to.T_hear_send.push_back(get_pose(buffer));
-    }
-    to.arrivals.push_back(o);
-    rows.push_back(a);
-  }
-  for (; counts[1] > 0; --counts[1]) {
-    to.bearings.push_back(get_bearing(buffer));
-    to.bearings.back().node += nodes;
-  }
-  for (; counts[2] > 0; --counts[2]) {
-    to.poses.push_back(get_measured_pose(buffer));
-    to.poses.back().node += nodes;
-  }
-  for (; counts[3] > 0; --counts[3]) {
-    to.odometry.push_back(get_odometry(buffer));
-    to.odometry.back().node += nodes;
-  }
-  for (; counts[4] > 0; --counts[4]) {
-    MotionObservation o;
-    o.node = buffer.count() + nodes;
-    o.step_s = buffer.get();
-    to.motion_steps.push_back(o);
-  }
-  for (; counts[5] > 0; --counts[5]) to.nodes.push_back(get_node(buffer));
+  const auto behind_nodes = [nodes](auto& o) { o.node += nodes; };
+  read_list(buffer, to.bearings, behind_nodes);
+  read_list(buffer, to.poses, behind_nodes);
+  read_list(buffer, to.odometry, behind_nodes);
+  read_list(buffer, to.motion_steps, behind_nodes);
+  read_list(buffer, to.nodes, [](Node&) {});
 }
 
 }  // namespace octant::calib

@@ -99,46 +99,28 @@ Result<void> ChunkPasses::load(std::size_t chunk, ChunkWork& w) const {
 
 /// Where a reading has been there before.
 bool ChunkPasses::is_as_before(std::size_t chunk, const ChunkWork& w) const {
-  const ChunkStates& kept = kept_[chunk];
-  std::size_t marks = 0;
-  for (std::size_t i = 0; i < kept.states.size(); ++i) {
-    const Trajectory& t = w.trajectories[i];
-    if (kept.states[i].count(t) != t.nodes.size()) return false;
-    marks += t.arrivals.size() + t.bearings.size();
-  }
-  return marks == kept.rejections.size();
+  const std::vector<KeptTrajectory>& kept = kept_[chunk].trajectories;
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    if (!kept[i].fits(w.trajectories[i])) return false;
+  return true;
 }
 
-void ChunkPasses::restore(const ChunkStates& kept, const Estimate& estimate, ChunkWork& w) const {
+void ChunkPasses::restore(const KeptChunk& kept, const Estimate& estimate, ChunkWork& w) const {
   const double stated_s = task_.frame.site.noise.tof_sigma_s;
   rescale_noise(w.trajectories, stated_s, stated_s * estimate.noise_factor);
-  std::size_t mark = 0;
-  for (std::size_t i = 0; i < w.trajectories.size(); ++i) {
-    Trajectory& t = w.trajectories[i];
-    for (std::size_t k = 0; k < t.nodes.size(); ++k) kept.states[i].put(t, k, t.nodes[k]);
-    for (ArrivalObservation& a : t.arrivals) a.rejection = kept.rejections[mark++];
-    for (BearingObservation& b : t.bearings) b.rejection = kept.rejections[mark++];
-  }
+  for (std::size_t i = 0; i < w.trajectories.size(); ++i) kept.trajectories[i].restore(w.trajectories[i]);
 }
 
-void ChunkPasses::keep(const ChunkWork& w, ChunkStates& kept) const {
-  kept.states.resize(w.trajectories.size());
-  kept.rejections.clear();
-  for (std::size_t i = 0; i < w.trajectories.size(); ++i) {
-    const Trajectory& t = w.trajectories[i];
-    kept.states[i].clear();
-    kept.states[i].reserve(t, t.nodes.size());
-    for (const Node& n : t.nodes) kept.states[i].add(t, n);
-    for (const ArrivalObservation& a : t.arrivals) kept.rejections.push_back(a.rejection);
-    for (const BearingObservation& b : t.bearings) kept.rejections.push_back(b.rejection);
-  }
+void ChunkPasses::keep(const ChunkWork& w, KeptChunk& kept) {
+  kept.trajectories.resize(w.trajectories.size());
+  for (std::size_t i = 0; i < w.trajectories.size(); ++i) kept.trajectories[i].keep(w.trajectories[i]);
 }
 
 Result<LogReadings::Placed> ChunkPasses::place(const Estimate& estimate, double suspect_sigmas, bool reject) {
   const SharedState state = estimate.state();
   const SpreadArrivals spread(task_.arrivals, state, prior_state(task_.frame.site));
   std::vector<std::vector<double>> residuals(kept_.size()), ranges(kept_.size());
-  PassSummer summer(first_, kept_.size(), estimate.layout.size());
+  PassSummer summer(first_, estimate.layout.size());
   const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
     for_each_arrival(w, [&](std::size_t number, const Trajectory& t, const ArrivalObservation& a) {
       spread.add_range(number, t, a, ranges[k]);
@@ -157,7 +139,7 @@ Result<LogReadings::Placed> ChunkPasses::place(const Estimate& estimate, double 
     });
     if (reject)
       summer.add(k, w.trajectories, estimate.layout, state, task_.options.rejection_sigmas,
-                 RejectionPolicy::kFirst, w.system);
+                 RejectionPolicy::kFirst, w.sum);
     keep(w, kept_[k]);
   });
   if (!done) return fail(done.error());
@@ -165,28 +147,24 @@ Result<LogReadings::Placed> ChunkPasses::place(const Estimate& estimate, double 
   placed.residuals = in_order(task_.options.ranks, std::move(residuals));
   placed.ranges_m = in_order(task_.options.ranks, std::move(ranges));
   std::vector<double> states = {0.0};
-  for (const ChunkStates& kept : kept_) states[0] += static_cast<double>(kept.start_heading_rad.size());
+  for (const KeptChunk& kept : kept_) states[0] += static_cast<double>(kept.start_heading_rad.size());
   sum_over(task_.options.ranks, states);
   placed.states = static_cast<std::size_t>(states[0]);
   if (!reject) return placed;
-  std::vector<double> numbers = std::move(summer).numbers();
-  sum_over(task_.options.ranks, numbers);
-  placed.sum = PassSummer::sum_of(numbers, estimate.layout.size());
+  placed.sum = std::move(summer).sum(task_.options.ranks);
   return placed;
 }
 
 Result<PassSum> ChunkPasses::pass(const Estimate& estimate, RejectionPolicy policy) {
   const SharedState state = estimate.state();
-  PassSummer summer(first_, kept_.size(), estimate.layout.size());
+  PassSummer summer(first_, estimate.layout.size());
   const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
     restore(kept_[k], estimate, w);
-    summer.add(k, w.trajectories, estimate.layout, state, task_.options.rejection_sigmas, policy, w.system);
+    summer.add(k, w.trajectories, estimate.layout, state, task_.options.rejection_sigmas, policy, w.sum);
     keep(w, kept_[k]);
   });
   if (!done) return fail(done.error());
-  std::vector<double> numbers = std::move(summer).numbers();
-  sum_over(task_.options.ranks, numbers);
-  return PassSummer::sum_of(numbers, estimate.layout.size());
+  return std::move(summer).sum(task_.options.ranks);
 }
 
 Result<void> ChunkPasses::gather(const Estimate& estimate, FindingsGatherer& gatherer) {

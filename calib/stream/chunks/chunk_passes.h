@@ -27,14 +27,13 @@ struct ChunkWork {
   const Chunk* chunk = nullptr;
   MeasurementLog log;
   std::vector<Trajectory> trajectories;
-  ReducedSystem system;
+  PassSum sum;  ///< of the chunk alone
 };
 
-/// What remains of a chunk between the readings, trajectory by trajectory.
-struct ChunkStates {
-  std::vector<KeptStates> states;
+/// What remains of a chunk between the readings.
+struct KeptChunk {
+  std::vector<KeptTrajectory> trajectories;
   std::vector<float> start_heading_rad;
-  std::vector<Rejection> rejections;  ///< of the arrivals, then of the bearings
 };
 
 /// The states of a log but for drives, read again for each look at them, chunk by chunk on several threads.
@@ -55,8 +54,8 @@ class ChunkPasses : public LogReadings {
   Result<void> for_each_chunk_of_mine(Do&& work);
   Result<void> load(std::size_t chunk, ChunkWork& w) const;
   [[nodiscard]] bool is_as_before(std::size_t chunk, const ChunkWork& w) const;
-  void restore(const ChunkStates& kept, const Estimate& estimate, ChunkWork& w) const;
-  void keep(const ChunkWork& w, ChunkStates& kept) const;
+  void restore(const KeptChunk& kept, const Estimate& estimate, ChunkWork& w) const;
+  static void keep(const ChunkWork& w, KeptChunk& kept);
   void gather_trajectory(const ChunkWork& w, const Trajectory& t, const float* start_heading_rad,
                          const FindingsGatherer& gatherer, std::vector<double>& buffer) const;
 
@@ -66,7 +65,7 @@ class ChunkPasses : public LogReadings {
   std::size_t first_, last_;             ///< chunks of this rank
   std::vector<StateBearings> bearings_;  ///< of each run
   std::vector<std::unique_ptr<ChunkWork>> workers_;
-  std::vector<ChunkStates> kept_;  ///< of each chunk
+  std::vector<KeptChunk> kept_;  ///< of each chunk
 };
 
 }  // namespace octant::calib

@@ -26,24 +26,6 @@ namespace {
 /// next one with it.
 constexpr double kPieceAtRest = 1e-9;
 
-/// One behind the other: an open chain as numbers.
-std::vector<double> numbers_of(const OpenChain& chain) {
-  std::vector<double> all = {1.0, chain.has_left ? 1.0 : 0.0, chain.has_right ? 1.0 : 0.0, chain.cost};
-  all.insert(all.end(), chain.gradient.begin(), chain.gradient.end());
-  all.insert(all.end(), chain.H.data(), chain.H.data() + chain.H.size());
-  return all;
-}
-OpenChain chain_of(const std::vector<double>& all, Eigen::Index size) {
-  OpenChain chain;
-  if (all[0] == 0.0) return chain;  // nothing placed it
-  chain.has_left = all[1] != 0.0;
-  chain.has_right = all[2] != 0.0;
-  chain.cost = all[3];
-  chain.gradient = Eigen::Map<const Eigen::VectorXd>(all.data() + 4, size);
-  chain.H = Eigen::Map<const Eigen::MatrixXd>(all.data() + 4 + size, size, size);
-  return chain;
-}
-
 /// A state at which a piece ends, as a first and a last one.
 using EndNumbers = std::array<double, 2 * kNumbersOfNode>;
 
@@ -57,7 +39,7 @@ class DrivePasses::JoinedEnds {
         parameters_(parameters),
         chains_(passes.index_.chains().size(), EndChain(parameters, passes.block_size())),
         in_order_(passes.first_),
-        waiting_(passes.task_.options.ranks != nullptr ? passes.pieces_.size() : 0) {}
+        waiting_(passes.task_.options.ranks != nullptr ? passes.kept_.size() : 0) {}
 
   void add(std::size_t piece, const OpenChain& system) {
     in_order_.add(piece, system, [this](std::size_t k, const OpenChain& next) {
@@ -72,11 +54,13 @@ class DrivePasses::JoinedEnds {
       const DrivePiece& piece = passes_.index_.pieces()[k];
       const Eigen::Index block = passes_.block_size(),
                          size = parameters_ + (piece.open_left ? block : 0) + (piece.open_right ? block : 0);
-      std::vector<double> numbers(static_cast<std::size_t>(4 + size + size * size), 0.0);
-      if (waiting_[k].H.size() > 0) numbers = numbers_of(waiting_[k]);
-      waiting_[k] = {};
-      sum_over(passes_.task_.options.ranks, numbers);
-      append(k, chain_of(numbers, size));
+      OpenChain chain = std::move(waiting_[k]);
+      if (chain.H.size() == 0) {  // another rank's, or nothing placed it
+        chain.gradient.setZero(size);
+        chain.H.setZero(size, size);
+      }
+      sum_over(passes_.task_.options.ranks, chain);
+      if (!chain.H.isZero(0.0)) append(k, chain);
     }
     return std::move(chains_);
   }
@@ -98,8 +82,8 @@ DrivePasses::DrivePasses(const ReadingTask& task, const DriveIndex& index)
       index_(index),
       model_(trajectory_model(task.frame.site)),
       workers_(static_cast<std::size_t>(std::max(task.workers, 1))),
-      pieces_(index.pieces().size()) {
-  std::tie(first_, last_) = parts_of(task.options.ranks, pieces_.size());
+      kept_(index.pieces().size()) {
+  std::tie(first_, last_) = parts_of(task.options.ranks, kept_.size());
   for (const DriveChain& chain : index.chains())
     like_.push_back(
         make_trajectory(without_lists(task.source.log(chain.run)), chain.run, chain.vehicle, model_));
@@ -157,7 +141,7 @@ void DrivePasses::restore(std::size_t piece, const Estimate& estimate, const std
   Trajectory& t = w.t();
   const double stated_s = task_.frame.site.noise.tof_sigma_s;
   rescale_noise(w.trajectory, stated_s, stated_s * estimate.noise_factor);
-  for (std::size_t k = 0; k < t.nodes.size(); ++k) pieces_[piece].states.put(t, k, t.nodes[k]);
+  kept_[piece].restore(t);
   const auto put_end = [](const Node& end, Node& node) {
     node.placed = end.placed;
     if (!end.placed) return;
@@ -166,33 +150,14 @@ void DrivePasses::restore(std::size_t piece, const Estimate& estimate, const std
   };
   if (w.piece->open_left) put_end(ends[piece - 1], t.nodes.front());
   if (w.piece->open_right) put_end(ends[piece], t.nodes.back());
-  std::size_t mark = 0;
-  for (ArrivalObservation& a : t.arrivals) a.rejection = pieces_[piece].rejections[mark++];
-  for (BearingObservation& b : t.bearings) b.rejection = pieces_[piece].rejections[mark++];
-}
-
-/// The piece's own, from these on.
-void DrivePasses::keep(std::size_t piece, const DriveWork& w, std::size_t first_node,
-                       std::size_t first_arrival) {
-  PieceStates& kept = pieces_[piece];
-  kept.states.clear();
-  kept.rejections.clear();
-  kept.states.reserve(w.t(), w.piece->nodes);
-  kept.rejections.reserve(w.piece->arrivals);
-  for (std::size_t k = 0; k < w.piece->nodes; ++k) kept.states.add(w.t(), w.t().nodes[first_node + k]);
-  for (std::size_t i = 0; i < w.piece->arrivals; ++i)
-    kept.rejections.push_back(w.t().arrivals[first_arrival + i].rejection);
-  for (const BearingObservation& b : w.t().bearings)
-    if (b.node >= first_node && b.node + 1 < first_node + w.piece->nodes)
-      kept.rejections.push_back(b.rejection);
 }
 
 Result<LogReadings::Placed> DrivePasses::place(const Estimate& estimate, double /*suspect_sigmas*/,
                                                bool /*mark*/) {
   const SharedState state = estimate.state();
   const SpreadArrivals spread(task_.arrivals, state, prior_state(task_.frame.site));
-  std::vector<std::vector<double>> residuals(pieces_.size()), ranges(pieces_.size());
-  std::vector<double> ends(pieces_.size() * std::tuple_size_v<EndNumbers>, 0.0);
+  std::vector<std::vector<double>> residuals(kept_.size()), ranges(kept_.size());
+  std::vector<double> ends(kept_.size() * std::tuple_size_v<EndNumbers>, 0.0);
   // What is heard before and behind a piece tells its ends as well.
   const auto done = for_each_piece(true, [&](std::size_t k, DriveWork& w) {
     apply_gates(task_.frame.site, w.trajectory, 1);
@@ -208,7 +173,7 @@ Result<LogReadings::Placed> DrivePasses::place(const Estimate& estimate, double 
       spread.add_range(w.piece->arrivals_before + i, t, a, ranges[k]);
       spread.add_residual(w.piece->arrivals_before + i, t, a, residuals[k]);
     }
-    keep(k, w, first_node, first_arrival);
+    kept_[k].keep(t, first_node, first_node + w.piece->nodes, first_arrival, w.piece->arrivals);
     double* const ends_of_piece = ends.data() + k * std::tuple_size_v<EndNumbers>;
     put_numbers(t.nodes[first_node], ends_of_piece);
     put_numbers(t.nodes[first_node + w.piece->nodes - 1], ends_of_piece + kNumbersOfNode);
@@ -264,16 +229,16 @@ std::pair<Node, Node> DrivePasses::reach_by_odometry(std::size_t piece, bool for
     if (rows[row].vehicle == chain.vehicle) path.push_back(path.back() * rows[row].pose());
   const Pose T_map_path = forward ? from.T_map_vehicle : from.T_map_vehicle * path.back().inverse();
   std::pair<Node, Node> ends;
-  PieceStates& kept = pieces_[piece];
-  kept.states.clear();
+  KeptStates& kept = kept_[piece].states();
+  kept.clear();
   for (std::size_t k = 0; k < path.size(); ++k) {
     Node node = from;
     node.T_map_vehicle = T_map_path * path[k];
     if (k == 0) ends.first = node;
     ends.second = node;
-    if (is_mine(piece)) kept.states.add(like_[p.chain], node);
+    if (is_mine(piece)) kept.add(like_[p.chain], node);
   }
-  for (Rejection& mark : kept.rejections)
+  for (Rejection& mark : kept_[piece].rejections())
     if (mark == Rejection::kNoPose) mark = Rejection::kUsed;
   return ends;
 }
@@ -320,7 +285,7 @@ Result<PassSum> DrivePasses::pass(const Estimate& estimate, RejectionPolicy poli
   const SharedState state = estimate.state();
   tried_.state = ends_at(estimate.x);
   JoinedEnds joined(*this, estimate.layout.size());
-  std::vector<PassCounts> counts(pieces_.size());
+  std::vector<PassCounts> counts(kept_.size());
   const auto done = for_each_piece(false, [&](std::size_t k, DriveWork& w) {
     restore(k, estimate, tried_.state, w);
     OpenChain system;
@@ -330,7 +295,7 @@ Result<PassSum> DrivePasses::pass(const Estimate& estimate, RejectionPolicy poli
     if (w.piece->open_left && w.t().nodes.front().placed)  // told before
       counts[k].of_log.states -= static_cast<std::size_t>(block_size());
     joined.add(k, system);
-    keep(k, w, 0, 0);
+    kept_[k].keep(w.t());
   });
   if (!done) return fail(done.error());
   tried_.x = estimate.x;
@@ -340,16 +305,13 @@ Result<PassSum> DrivePasses::pass(const Estimate& estimate, RejectionPolicy poli
   sum.system.gradient.setZero(estimate.layout.size());
   for (const EndChain& chain : tried_.chains) chain.add_to(sum.system);
   for (const PassCounts& c : counts) sum.counts.add(c);
-  const auto its = sum.counts.as_numbers();
-  std::vector<double> counted(its.begin(), its.end());
-  sum_over(task_.options.ranks, counted);
-  sum.counts = PassCounts::from_numbers(counted.data());
+  sum_over(task_.options.ranks, sum.counts);
   for (const DriveChain& chain : index_.chains()) sum.counts.of_log.rejected += chain.stateless_count;
   return sum;
 }
 
 Result<void> DrivePasses::gather(const Estimate& estimate, FindingsGatherer& gatherer) {
-  std::vector<std::vector<double>> buffers(pieces_.size());
+  std::vector<std::vector<double>> buffers(kept_.size());
   const auto done = for_each_piece(false, [&](std::size_t k, DriveWork& w) {
     restore(k, estimate, from_.state, w);
     const Trajectory& t = w.t();

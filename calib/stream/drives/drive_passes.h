@@ -31,10 +31,6 @@ class DrivePasses : public LogReadings {
   [[nodiscard]] Result<void> gather(const Estimate& estimate, FindingsGatherer& gatherer) override;
 
  private:
-  struct PieceStates {
-    KeptStates states;
-    std::vector<Rejection> rejections;  ///< of arrivals, then of bearings
-  };
   /// The ends behind pieces and what they were linearised with.
   struct Ends {
     std::vector<Node> state;       ///< behind each piece
@@ -51,7 +47,6 @@ class DrivePasses : public LogReadings {
   void extend_back(DriveWork& w) const;
   void restore(std::size_t piece, const Estimate& estimate, const std::vector<Node>& ends,
                DriveWork& w) const;
-  void keep(std::size_t piece, const DriveWork& w, std::size_t first_node, std::size_t first_arrival);
   void join_pieces(std::vector<double> numbers_of_ends);
   [[nodiscard]] std::pair<Node, Node> reach_by_odometry(std::size_t piece, bool forward, const Node& from);
   [[nodiscard]] std::vector<Node> ends_at(const Eigen::VectorXd& x) const;
@@ -63,8 +58,8 @@ class DrivePasses : public LogReadings {
   TrajectoryModel model_;
   std::size_t first_, last_;  ///< pieces of this rank
   std::vector<DriveWork> workers_;
-  std::vector<PieceStates> pieces_;
-  std::vector<Trajectory> like_;  ///< of each chain what kind of states it has, and no states
+  std::vector<KeptTrajectory> kept_;  ///< of each piece
+  std::vector<Trajectory> like_;      ///< of each chain what kind of states it has, and no states
   Ends from_, tried_;
 };
 

@@ -8,9 +8,16 @@
 
 #include "calib/adjust/tile.h"
 #include "calib/chain/chain_reduction.h"
+#include "calib/problem/log_buffer.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {
+
+/// @param chain  its matrices have the size that they had when they were written
+template <class Buffer>
+void exchange(Buffer& buffer, BufferRecord<OpenChain> auto&& chain) {
+  buffer.exchange(chain.has_left, chain.has_right, chain.cost, chain.gradient, chain.H);
+}
 
 /// The states at which a drive is cut into pieces, eliminated one after the other. With D the block of
 /// an end, U its coupling to the next one, G that to the parameters and the gradient, D = L L',

@@ -43,7 +43,6 @@ RC_GTEST_PROP(KeptStates, ComeBackAsTheyWere, ()) {
     kept.add(like, nodes.back());
   }
   for (std::size_t i = nodes.size(); i-- > 0;) {
-    RC_ASSERT(kept.has_place(like, i) == nodes[i].placed);
     const Node before = any_node(like.motion, draws);
     Node node = before;
     kept.put(like, i, node);
@@ -68,7 +67,55 @@ TEST(KeptStates, MayBeginAnew) {
   Node node = any_node(Motion::kPlanar, draws);
   node.placed = false;
   kept.add(like, node);
-  EXPECT_FALSE(kept.has_place(like, 0));
+  Node back;
+  back.placed = true;
+  kept.put(like, 0, back);
+  EXPECT_FALSE(back.placed);
+}
+
+/// Three states that hear once each and see once each, the last bearing at the very end.
+Trajectory marked(Random& draws) {
+  Trajectory t;
+  for (std::size_t k = 0; k < 3; ++k) {
+    t.nodes.push_back(any_node(Motion::kPlanar, draws));
+    t.nodes.back().placed = true;
+    t.arrivals.push_back({.node = static_cast<std::uint32_t>(k)});
+    t.bearings.push_back({.node = k});
+  }
+  t.arrivals[1].rejection = Rejection::kLate;
+  t.bearings[2].rejection = Rejection::kEarly;
+  return t;
+}
+
+TEST(KeptTrajectory, ComesBackAsItWas) {
+  Random draws(2);
+  const Trajectory t = marked(draws);
+  calib::KeptTrajectory kept;
+  kept.keep(t);
+  EXPECT_TRUE(kept.fits(t));
+  Trajectory back = t;
+  for (ArrivalObservation& a : back.arrivals) a.rejection = Rejection::kNoPose;
+  for (BearingObservation& b : back.bearings) b.rejection = Rejection::kNoPose;
+  back.nodes[1].T_map_vehicle = Pose();
+  kept.restore(back);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(back.arrivals[k].rejection, t.arrivals[k].rejection);
+    EXPECT_EQ(back.bearings[k].rejection, t.bearings[k].rejection);
+    EXPECT_EQ(back.nodes[k].T_map_vehicle.translation_m, t.nodes[k].T_map_vehicle.translation_m);
+  }
+}
+
+TEST(KeptTrajectory, MayBeAPartWhoseLastStateIsItsNeighboursFirst) {
+  Random draws(3);
+  const Trajectory t = marked(draws);
+  calib::KeptTrajectory kept;
+  kept.keep(t, 0, 2, 0, 2);  // the bearing at its last state is the neighbour's
+  EXPECT_EQ(kept.rejections(),
+            (std::vector<Rejection>{Rejection::kUsed, Rejection::kLate, Rejection::kUsed}));
+  kept.keep(t, 1, 3, 1, 2);
+  EXPECT_EQ(kept.rejections(), (std::vector<Rejection>{Rejection::kLate, Rejection::kUsed, Rejection::kUsed,
+                                                       Rejection::kEarly}));
+  EXPECT_FALSE(kept.fits(t));
 }
 
 RC_GTEST_PROP(NodeNumbers, TakeWhatWasPut, ()) {

@@ -42,13 +42,22 @@ TEST(PassCounts, GoThroughTheirNumbersAndAddUp) {
   a.of_log.rejected = 5;
   a.of_log.observations = 321;
   a.of_log.states = 60;
-  const auto numbers = a.as_numbers();
-  const calib::PassCounts back = calib::PassCounts::from_numbers(numbers.data());
-  EXPECT_EQ(back.as_numbers(), numbers);
+  const auto numbers_of = [](const calib::PassCounts& counts) {
+    std::vector<double> numbers;
+    calib::BufferWriter writer(numbers);
+    exchange(writer, counts);
+    return numbers;
+  };
+  const std::vector<double> numbers = numbers_of(a);
+  calib::BufferReader reader(numbers);
+  calib::PassCounts back;
+  exchange(reader, back);
+  EXPECT_TRUE(reader.ended());
+  EXPECT_EQ(numbers_of(back), numbers);
   EXPECT_EQ(std::set<double>(numbers.begin(), numbers.end()).size(), numbers.size()) << "each its own place";
   calib::PassCounts twice = a;
   twice.add(back);
-  for (std::size_t i = 0; i < numbers.size(); ++i) EXPECT_EQ(twice.as_numbers()[i], 2 * numbers[i]);
+  for (std::size_t i = 0; i < numbers.size(); ++i) EXPECT_EQ(numbers_of(twice)[i], 2 * numbers[i]);
 }
 
 }  // namespace
