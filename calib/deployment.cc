@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <span>
 
 #include "calib/calibrate.h"
 #include "calib/deployment_head.h"
@@ -96,29 +95,15 @@ void add_hearing(const Solution& solution, Deployment& d) {
 }
 
 void add_validity(const Problem& problem, const Solution& solution, Deployment& d) {
-  std::vector<Eigen::Vector2d> places;
-  double coldest = INFINITY, hottest = -INFINITY;
-  if (solution.totals) {
-    places = solution.totals->area_m;
-    coldest = solution.totals->coldest_degC;
-    hottest = solution.totals->hottest_degC;
+  LogExtent extent;
+  if (solution.totals) {  // of a whole log the trajectories at hand are a part
+    extent = {solution.totals->area_m, solution.totals->coldest_degC, solution.totals->hottest_degC};
+  } else {
+    for (const Trajectory& t : solution.trajectories) extent.add(t, problem.runs[t.run], problem.site);
   }
-  // Of a whole log the trajectories at hand are a part.
-  const std::span<const Trajectory> all =
-      solution.totals ? std::span<const Trajectory>() : std::span<const Trajectory>(solution.trajectories);
-  for (const Trajectory& t : all) {
-    for (const Node& node : t.nodes)
-      if (node.placed) places.emplace_back(node.T_map_vehicle.translation_m.head<2>());
-    const MeasurementLog& run = problem.runs[t.run];
-    for (const ArrivalObservation& a : t.arrivals) {
-      const double degC = temperature_of(run.arrivals[a.arrival], run, problem.site);
-      coldest = std::min(coldest, degC);
-      hottest = std::max(hottest, degC);
-    }
-  }
-  if (coldest <= hottest && problem.site.medium.model != MediumModel::kConstant)
-    d.validity_temperature_degC = {coldest, hottest};
-  d.validity_area_m = convex_hull(std::move(places));
+  if (extent.coldest_degC <= extent.hottest_degC && problem.site.medium.model != MediumModel::kConstant)
+    d.validity_temperature_degC = {extent.coldest_degC, extent.hottest_degC};
+  d.validity_area_m = convex_hull(std::move(extent.places_m));
   d.validity_reach_m = heard_reach_m(solution.trajectories, d.beacons);
 }
 

@@ -19,15 +19,9 @@ namespace {
 /// Largest distance that the site file speaks of: between beacons with positions, taped, or between measured
 /// poses and beacons; 0 where it speaks of none.
 double site_extent_m(const Site& site, const MeasurementLog& run) {
-  std::vector<Eigen::Vector3d> points;
-  for (const SiteBeacon& beacon : site.beacons)
-    if (beacon.position_m[0] && beacon.position_m[1])
-      points.emplace_back(*beacon.position_m[0], *beacon.position_m[1], beacon.position_m[2].value_or(0.0));
-  for (const TimedPose& pose : run.poses) points.push_back(pose.T_map_vehicle.translation_m);
-  if (points.size() < 2 && site.distances.empty()) return 0.0;  // one point is no site
-  Eigen::AlignedBox3d box;
-  for (const Eigen::Vector3d& p : points) box.extend(p);
-  double extent = points.empty() ? 0.0 : box.diagonal().norm();
+  const Eigen::AlignedBox3d box = box_of_places(site, run.poses);
+  double extent = box.isEmpty() ? 0.0 : box.diagonal().norm();
+  if (!(extent > 0) && site.distances.empty()) return 0.0;  // one point is no site
   for (const SiteBeacon& beacon : site.beacons)
     for (std::size_t i = 0; i < 3; ++i)
       if (beacon.position_m[i] && beacon.sigma_m[i]) extent = std::max(extent, *beacon.sigma_m[i]);

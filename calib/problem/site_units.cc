@@ -7,7 +7,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <Eigen/Geometry>
 
 #include "calib/problem/ranges.h"
 
@@ -27,10 +26,7 @@ double size_m(const SiteBeacon& b) {
 }
 
 double extent_of(const Site& site) {
-  Eigen::AlignedBox3d box;
-  for (const SiteBeacon& b : site.beacons)
-    if (is_placed(b))
-      box.extend(Eigen::Vector3d(*b.position_m[0], *b.position_m[1], b.position_m[2].value_or(0.0)));
+  const Eigen::AlignedBox3d box = box_of_places(site);
   return box.isEmpty() ? 0.0 : box.diagonal().norm();
 }
 
@@ -62,6 +58,15 @@ Error too_long_a_delay(const std::string& file, int line, const std::string& key
 }
 
 }  // namespace
+
+Eigen::AlignedBox3d box_of_places(const Site& site, const std::vector<TimedPose>& poses) {
+  Eigen::AlignedBox3d box;
+  for (const SiteBeacon& b : site.beacons)
+    if (is_placed(b))
+      box.extend(Eigen::Vector3d(*b.position_m[0], *b.position_m[1], b.position_m[2].value_or(0.0)));
+  for (const TimedPose& pose : poses) box.extend(pose.T_map_vehicle.translation_m);
+  return box;
+}
 
 const std::vector<LengthUnit>& length_units() {
   static const std::vector<LengthUnit> units = {

@@ -7,12 +7,16 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "models/run.h"
 #include "models/site.h"
 #include "models/support/result.h"
 
 namespace octant::calib {
+
+/// Box round all places that a site and a recording's poses state; empty where they state none.
+[[nodiscard]] Eigen::AlignedBox3d box_of_places(const Site& site, const std::vector<TimedPose>& poses = {});
 
 /// A unit of length that people write where metres are expected.
 struct LengthUnit {

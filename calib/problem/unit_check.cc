@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "calib/problem/ranges.h"
+#include "calib/problem/site_units.h"
 
 namespace octant::calib {
 namespace {
@@ -23,11 +24,7 @@ constexpr double kTogetherS = 0.25;
 /// Diagonal of the box round all that the site and the measured poses place, or the longest taped distance
 /// [m].
 double extent_m(const Site& site, const MeasurementLog& run) {
-  Eigen::AlignedBox3d box;
-  for (const SiteBeacon& b : site.beacons)
-    if (b.position_m[0] && b.position_m[1])
-      box.extend(Eigen::Vector3d(*b.position_m[0], *b.position_m[1], b.position_m[2].value_or(0.0)));
-  for (const TimedPose& pose : run.poses) box.extend(pose.T_map_vehicle.translation_m);
+  const Eigen::AlignedBox3d box = box_of_places(site, run.poses);
   double extent = box.isEmpty() ? 0.0 : box.diagonal().norm();
   for (const ControlDistance& d : site.distances) extent = std::max(extent, d.distance_m);
   return extent;

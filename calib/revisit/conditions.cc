@@ -29,20 +29,14 @@ MediumFound thermometer_of(const Deployment& d, const std::vector<MeasurementLog
 
 void extend_validity(Deployment& d, const std::vector<Trajectory>& trajectories, const Problem& problem,
                      bool temperature_known) {
-  std::vector<Eigen::Vector2d> places = d.validity_area_m;
-  for (const Trajectory& t : trajectories) {
-    for (const Node& node : t.nodes)
-      if (node.placed) places.emplace_back(node.T_map_vehicle.translation_m.head<2>());
-    for (const ArrivalObservation& a : t.arrivals) {
-      if (!d.validity_temperature_degC || !temperature_known) break;
-      const double degC =
-          temperature_of(problem.runs[t.run].arrivals[a.arrival], problem.runs[t.run], problem.site);
-      auto& [coldest, hottest] = *d.validity_temperature_degC;
-      coldest = std::min(coldest, degC);
-      hottest = std::max(hottest, degC);
-    }
+  LogExtent extent{d.validity_area_m};
+  for (const Trajectory& t : trajectories) extent.add(t, problem.runs[t.run], problem.site);
+  if (d.validity_temperature_degC && temperature_known) {
+    auto& [coldest, hottest] = *d.validity_temperature_degC;
+    coldest = std::min(coldest, extent.coldest_degC);
+    hottest = std::max(hottest, extent.hottest_degC);
   }
-  d.validity_area_m = convex_hull(std::move(places));
+  d.validity_area_m = convex_hull(std::move(extent.places_m));
   if (const auto now_m = heard_reach_m(trajectories, d.beacons))
     d.validity_reach_m = std::max(*now_m, d.validity_reach_m.value_or(0.0));
 }

@@ -182,33 +182,24 @@ void FindingsGatherer::read_bearings(BufferReader& buffer) {
 /// Where states were, how warm it was, and what became of the arrivals.
 void FindingsGatherer::write_extent(const TrajectoryFindings& part, BufferWriter& buffer) const {
   std::vector<RejectionCounts> of_beacon(frame_.site.beacons.size());
-  double coldest = INFINITY, hottest = -INFINITY;
-  for (const ArrivalObservation& a : part.trajectory.arrivals) {
-    of_beacon[a.beacon.index()].add(a.rejection);
-    const double degC = temperature_of(part.log.arrivals[a.arrival], part.log, frame_.site);
-    coldest = std::min(coldest, degC);
-    hottest = std::max(hottest, degC);
-  }
+  for (const ArrivalObservation& a : part.trajectory.arrivals) of_beacon[a.beacon.index()].add(a.rejection);
   for (const std::size_t a : part.trajectory.stateless_arrivals)
     of_beacon[part.log.arrivals[a].beacon.index()].add(Rejection::kNoPose);
-  for (const auto& counts : of_beacon)
+  for (const RejectionCounts& counts : of_beacon)
     for (const std::size_t count : counts) buffer.put_count(count);
-  std::vector<Eigen::Vector2d> places;
-  for (const Node& n : part.trajectory.nodes)
-    if (n.placed) places.emplace_back(n.T_map_vehicle.translation_m.head<2>());
-  places = convex_hull(std::move(places));
-  buffer.put_count(places.size());
-  for (const Eigen::Vector2d& p : places) buffer.put(p.x()), buffer.put(p.y());
-  buffer.put(coldest);
-  buffer.put(hottest);
+  LogExtent extent;
+  extent.add(part.trajectory, part.log, frame_.site);
+  const std::vector<Eigen::Vector2d> corners = convex_hull(std::move(extent.places_m));
+  buffer.put_count(corners.size());
+  for (const Eigen::Vector2d& p : corners) buffer.exchange(p);
+  buffer.exchange(extent.coldest_degC, extent.hottest_degC);
 }
 
 void FindingsGatherer::read_extent(BufferReader& buffer) {
   for (auto& counts : totals_.of_beacon)
     for (std::size_t& count : counts) count += buffer.count();
   for (std::size_t n = buffer.count(); n > 0; --n) {
-    const double x_m = buffer.get();
-    totals_.area_m.emplace_back(x_m, buffer.get());
+    buffer.exchange(totals_.area_m.emplace_back());
   }
   totals_.coldest_degC = std::min(totals_.coldest_degC, buffer.get());
   totals_.hottest_degC = std::max(totals_.hottest_degC, buffer.get());

@@ -9,6 +9,7 @@
 
 #include "models/run.h"
 #include "models/site.h"
+#include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
 
@@ -22,5 +23,13 @@ namespace octant::calib {
              ? arrival.temperature_degC
              : run.temperature_degC.value_or(site.medium.temperature_degC);
 }
+
+/// Where vehicles were, and how warm it was when something was heard.
+struct LogExtent {
+  std::vector<Eigen::Vector2d> places_m;
+  double coldest_degC = INFINITY, hottest_degC = -INFINITY;
+  /// @param run  the trajectory's
+  void add(const Trajectory& trajectory, const MeasurementLog& run, const Site& site);
+};
 
 }  // namespace octant::calib
