@@ -125,7 +125,7 @@ class Approacher {
   /// that are better known these are laid again, and both are brought together.
   bool fitted_to_paths(double scale) {
     const auto fit = [&](double held_to) {
-      const HeldStates held = HeldStates::paths(out_.trajectories, held_to);
+      const HeldStates held = HeldStates::paths(out_.trajectories, held_to, held_to);
       return adjust_with(kShareOfHeld * scale, 1e-4);
     };
     if (!monitor_.report("adjustment to the paths as found", 0.1) || !fit(0.01)) return false;

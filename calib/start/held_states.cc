@@ -62,13 +62,13 @@ HeldStates HeldStates::headings(std::vector<Trajectory>* trajectories) {
            .attitude_sigma_rad = INFINITY}};
 }
 
-HeldStates HeldStates::paths(std::vector<Trajectory>& trajectories, double sigma) {
+HeldStates HeldStates::paths(std::vector<Trajectory>& trajectories, double place_m, double attitude_rad) {
   return {&trajectories,
           can_be_held,
           {.T_map_vehicle = {},
-           .position_sigma_m = sigma,
-           .heading_sigma_rad = sigma,
-           .attitude_sigma_rad = sigma}};
+           .position_sigma_m = place_m,
+           .heading_sigma_rad = attitude_rad,
+           .attitude_sigma_rad = attitude_rad}};
 }
 
 bool can_be_held(const Trajectory& t) {

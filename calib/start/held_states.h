@@ -19,8 +19,9 @@ class HeldStates {
   [[nodiscard]] static HeldStates headings(std::vector<Trajectory>* trajectories);
   /// Holds the paths of drives in space. Their heights and tilts are weakly observable: states that are free
   /// settle towards beacons that are off, which then follow them into a tilted image of both.
-  /// @param sigma  of each state's place [m] and attitude [rad]
-  [[nodiscard]] static HeldStates paths(std::vector<Trajectory>& trajectories, double sigma);
+  /// @param place_m, attitude_rad  sigmas of each state
+  [[nodiscard]] static HeldStates paths(std::vector<Trajectory>& trajectories, double place_m,
+                                        double attitude_rad);
 
   HeldStates(const HeldStates&) = delete;
   HeldStates& operator=(const HeldStates&) = delete;

@@ -39,10 +39,10 @@ void expect_ranges_of_segments(const Trajectory& t) {
     }
 }
 
-TEST(HeldPaths, HoldEachPlacedStateWhereItIs) {
+TEST(HeldStates, HoldEachPlacedStateOfAPathWhereItIs) {
   std::vector<Trajectory> all = {path(Motion::kSpatial, true)};
   {
-    const HeldPaths held(all, 0.02, 0.03);
+    const HeldStates held = HeldStates::paths(all, 0.02, 0.03);
     ASSERT_EQ(all[0].poses.size(), 7U) << "all but the one without a place";
     expect_ranges_of_segments(all[0]);
     for (const PoseObservation& p : all[0].poses) {
@@ -56,7 +56,7 @@ TEST(HeldPaths, HoldEachPlacedStateWhereItIs) {
   EXPECT_EQ(all[0].segments[1].last_pose, 0U);
 }
 
-TEST(HeldPaths, AreThoseOfDrivesInSpaceByOdometryAlone) {
+TEST(HeldStates, PathsAreThoseOfDrivesInSpaceByOdometryAlone) {
   EXPECT_TRUE(can_be_held(path(Motion::kSpatial, true)));
   EXPECT_FALSE(can_be_held(path(Motion::kPlanar, true)));
   EXPECT_FALSE(can_be_held(path(Motion::kSpatial, false)));
@@ -67,19 +67,19 @@ TEST(HeldPaths, AreThoseOfDrivesInSpaceByOdometryAlone) {
   by_motion.motion_prior = MotionPrior{};
   EXPECT_FALSE(can_be_held(by_motion));
   std::vector<Trajectory> others = {measured, path(Motion::kPlanar, true)};
-  const HeldPaths held(others, 0.1, 0.1);
+  const HeldStates held = HeldStates::paths(others, 0.1, 0.1);
   EXPECT_EQ(others[0].poses.size(), 1U);
   EXPECT_TRUE(others[1].poses.empty());
 }
 
-TEST(HeldHeadings, HoldHeadingsOfStopsInThePlaneAlone) {
+TEST(HeldStates, HoldHeadingsOfStopsInThePlaneAlone) {
   std::vector<Trajectory> all = {path(Motion::kPlanar, false), path(Motion::kPlanar, true),
                                  path(Motion::kSpatial, false)};
   // The second segment has a measured pose, which stays and is enough.
   all[0].poses.push_back({.node = 6, .T_map_vehicle = {}, .position_sigma_m = 0.5});
   all[0].segments[1].last_pose = 1;
   {
-    const HeldHeadings held(&all);
+    const HeldStates held = HeldStates::headings(&all);
     ASSERT_EQ(all[0].poses.size(), 5U);
     EXPECT_EQ(all[0].segments[0].last_pose, 4U);
     EXPECT_EQ(all[0].segments[1].first_pose, 4U);
@@ -93,7 +93,7 @@ TEST(HeldHeadings, HoldHeadingsOfStopsInThePlaneAlone) {
   }
   EXPECT_EQ(all[0].poses.size(), 1U);
   EXPECT_EQ(all[0].segments[1].first_pose, 0U);
-  const HeldHeadings nothing(nullptr);
+  const HeldStates nothing = HeldStates::headings(nullptr);
 }
 
 }  // namespace
