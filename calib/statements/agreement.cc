@@ -136,7 +136,7 @@ class Checker {
     return false;
   }
 
-  [[nodiscard]] bool is_suspect(const BeaconCounts& c, double share, double beyond_others) const {
+  [[nodiscard]] bool is_suspect(const HeardCounts& c, double share, double beyond_others) const {
     return c.out() >= kFewestLeftOut && c.share() >= std::max(share, beyond_others * usual_);
   }
 
