@@ -30,6 +30,15 @@ void for_each_spread_arrival(const std::vector<Trajectory>& trajectories, std::s
     for (std::size_t i = 0; i < t.arrivals.size(); i += stride) visit(t, t.arrivals[i]);
 }
 
+/// Evenly spread observations, so many at most.
+template <class Observation>
+std::vector<Observation> some_of(std::vector<Observation> all, std::size_t enough) {
+  if (all.size() <= enough) return all;
+  std::vector<Observation> few;
+  for (std::size_t i = 0; i < enough; ++i) few.push_back(all[i * all.size() / enough]);
+  return few;
+}
+
 /// Ranges of a beacon from the vehicle states placed so far, rejected arrivals included.
 [[nodiscard]] std::vector<RangeFrom> ranges_to(const std::vector<Trajectory>& trajectories,
                                                const SharedState& state, BeaconId beacon);

@@ -244,17 +244,6 @@ class Approacher {
     return adjust_with(kCauchyScale, 1e-10);
   }
 
-  /// Those of a beacon's arrivals that do not fit: where as many are late as are direct, Cauchy's loss would
-  /// settle between both.
-  void leave_out(std::size_t b) {
-    const SharedState state = estimate_.state();
-    for (Trajectory& t : out_.trajectories)
-      for (ArrivalObservation& a : t.arrivals)
-        if (a.beacon.index() == b && a.rejection == Rejection::kUsed &&
-            std::abs(arrival_residual(t, a, state)) > options_.rejection_sigmas)
-          a.rejection = Rejection::kLate;
-  }
-
   /// Beacons of whose arrivals many do not fit are adjusted from the place that more of them agree on as
   /// well, where there is one, and the larger consensus is kept.
   bool look_behind_obstacles() {
@@ -268,7 +257,8 @@ class Approacher {
       const Kept here = keep();
       const double cost = consensus(kEarlyIsRarer).total();
       estimate_.x = *moved;
-      leave_out(b);
+      // Where as many arrivals are late as are direct, Cauchy's loss would settle between both.
+      reject_outliers(out_.trajectories, estimate_.state(), options_.rejection_sigmas, options_.threads);
       if (!adjust_with(kCauchyScale, 1e-10)) return false;
       readmit_all(out_.trajectories, estimate_.beacon_usable);
       if (!(consensus(kEarlyIsRarer).total() < cost)) restore(here);

@@ -35,10 +35,10 @@ class PlaceSearch {
  public:
   PlaceSearch(const std::vector<RangeFrom>& ranges, const PlacePrior& prior, double sigma_m,
               double rejection_sigmas)
-      : prior_(prior), sigma_m_(sigma_m), cap_(0.5 * rejection_sigmas * rejection_sigmas) {
-    const std::size_t stride = ranges.size() / kEnough + 1;
-    for (std::size_t i = 0; i < ranges.size(); i += stride) ranges_.push_back(ranges[i]);
-  }
+      : ranges_(some_of(ranges, kEnough)),
+        prior_(prior),
+        sigma_m_(sigma_m),
+        cap_(0.5 * rejection_sigmas * rejection_sigmas) {}
 
   [[nodiscard]] double cap() const { return cap_; }
 

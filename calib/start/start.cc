@@ -27,14 +27,6 @@ constexpr std::size_t kEnoughToStart = 1000;
 /// Fewer tell whether a mirror image fits as well.
 constexpr std::size_t kEnoughForImage = 200;
 
-template <class Observation>
-std::vector<Observation> some_of(std::vector<Observation> all, std::size_t enough) {
-  if (all.size() <= enough) return all;
-  std::vector<Observation> few;
-  for (std::size_t i = 0; i < enough; ++i) few.push_back(all[i * all.size() / enough]);
-  return few;
-}
-
 TrilaterationOptions trilateration_options(const Problem& problem, const SharedState& state,
                                            std::size_t beacon, double scale_m) {
   const SiteBeacon& known = problem.site.beacons[beacon];
