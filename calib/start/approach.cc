@@ -238,8 +238,11 @@ class Approacher {
         if (std::isfinite(prior_m)) off_m = std::max(off_m, prior_m);
       }
     place_again(kCauchyScale, off_m / sigma_m());
-    for (double scale = std::max(off_m / sigma_m(), kCauchyScale); scale > kCauchyScale; scale /= kFiner)
+    double scale = std::max(off_m / sigma_m(), kCauchyScale);
+    while (scale > kCauchyScale) {
       if (!adjust_with(scale, 1e-4)) return false;
+      scale /= kFiner;
+    }
     place_again(kCauchyScale, 0.0);
     return adjust_with(kCauchyScale, 1e-10);
   }
@@ -295,7 +298,7 @@ class Approacher {
       const double apart_m = (estimate_.layout.state_of(estimate_.x).beacon_p_map_m[b] -
                               here.layout.state_of(here.x).beacon_p_map_m[b])
                                  .norm();
-      Preference preferred;
+      Preference preferred = Preference::kNeither;
       compare(here, preferred);
       estimate_.beacon_mirrored[b] = preferred == Preference::kNeither && apart_m > tolerance_m(problem_);
     }
@@ -303,7 +306,7 @@ class Approacher {
     if (!reflect_site(problem_, estimate_.layout, estimate_.x, out_.trajectories)) return true;
     const Eigen::VectorXd image = estimate_.x;
     if (!adjust_with(kCauchyScale, 1e-8)) return false;
-    Preference preferred;
+    Preference preferred = Preference::kNeither;
     compare(here, preferred);
     if (preferred != Preference::kNeither) return true;
     for (std::size_t b = 0; b < estimate_.beacon_usable.size(); ++b)

@@ -175,6 +175,7 @@ std::vector<std::size_t> beacons_that_do_not_fit(const ParameterLayout& layout, 
   std::sort(lost.begin(), lost.end());
   if (lost.size() > kMostLost) lost.resize(kMostLost);
   std::vector<std::size_t> beacons;
+  beacons.reserve(lost.size());
   for (const auto& [share, b] : lost) beacons.push_back(b);
   return beacons;
 }
