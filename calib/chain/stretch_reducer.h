@@ -241,9 +241,7 @@ class StretchReducer {
       border.at[i] = e.column;
       border.value[i] = base[e.what] * e.scale;
     }
-    double rho = 0.0, w = 1.0;
-    loss_.evaluate(row.residual, rho, w);
-    out_->cost += 0.5 * rho;
+    const double w = loss_.weigh(row.residual, out_->cost);
     window_->add_row(row.residual, w, by_node, a.alpha == 0.0 ? nullptr : by_next, border);
   }
 
@@ -265,9 +263,7 @@ class StretchReducer {
   void add(int count) {
     for (int i = 0; i < count; ++i) {
       const ObservationRow& row = rows_[i];
-      double rho = row.residual * row.residual, w = 1.0;
-      if (is_robust(row.kind)) loss_.evaluate(row.residual, rho, w);
-      out_->cost += 0.5 * rho;
+      const double w = weigh(row, loss_, out_->cost);
       const RowEntries e = row_entries(row, t_.run, chain_.layout(), state_);
       RowBorder border;
       for (std::size_t j = 0; j < static_cast<std::size_t>(e.count); ++j)

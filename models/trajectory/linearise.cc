@@ -8,19 +8,6 @@
 
 namespace octant {
 
-void RobustLoss::evaluate(double residual, double& rho, double& weight) const {
-  const double s2 = residual * residual;
-  const double scale = residual > 0 ? late_scale : early_scale;
-  if (scale <= 0) {
-    rho = s2;
-    weight = 1.0;
-    return;
-  }
-  const double c2 = scale * scale;
-  rho = c2 * std::log1p(s2 / c2);
-  weight = 1.0 / (1.0 + s2 / c2);
-}
-
 Pose pose_at(const Trajectory& t, std::size_t node, double alpha) {
   return alpha == 0.0 ? t.nodes[node].T_map_vehicle
                       : interpolate(t.nodes[node].T_map_vehicle, t.nodes[node + 1].T_map_vehicle, alpha);
@@ -152,21 +139,35 @@ int bearing_rows(const Trajectory& t, std::size_t index, const SharedState& stat
   return 1;
 }
 
+namespace {
+
+/// Begins a row that hangs on states alone.
+ObservationRow& begin_row(RowKind kind, std::size_t index, std::size_t node, bool has_next, double residual,
+                          int block, ObservationRow& row) {
+  row.kind = kind;
+  row.index = index;
+  row.node = node;
+  row.has_next = has_next;
+  row.has_shared = false;
+  row.residual = residual;
+  row.by_node.setZero(block);
+  row.by_next.setZero(block);
+  return row;
+}
+
+}  // namespace
+
 int pose_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) {
   const PoseObservation& p = t.poses[index];
   InstantPose at;
   at.set(t, p.node, p.alpha);
   const Pose& T = at.T_map_vehicle;
   int count = 0;
+  const int block = t.block_size();
   auto add = [&](double misfit, double sigma, const Eigen::Matrix<double, 1, 6>& by_pose) {
     if (!std::isfinite(sigma)) return;
-    ObservationRow& row = rows[count++];
-    row.kind = RowKind::kPose;
-    row.index = index;
-    row.node = p.node;
-    row.has_shared = false;
-    row.residual = misfit / sigma;
-    spread(t, at, by_pose / sigma, row);
+    spread(t, at, by_pose / sigma,
+           begin_row(RowKind::kPose, index, p.node, false, misfit / sigma, block, rows[count++]));
   };
   using Row6 = Eigen::Matrix<double, 1, 6>;
   const Eigen::Vector3d off = p.T_map_vehicle.translation_m - T.translation_m;
@@ -197,16 +198,7 @@ int odometry_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) 
   const int block = t.block_size();
   int count = 0;
   auto add = [&](double misfit, double sigma) -> ObservationRow& {
-    ObservationRow& row = rows[count++];
-    row.kind = RowKind::kOdometry;
-    row.index = index;
-    row.node = o.node;
-    row.has_next = true;
-    row.has_shared = false;
-    row.residual = misfit / sigma;
-    row.by_node.setZero(block);
-    row.by_next.setZero(block);
-    return row;
+    return begin_row(RowKind::kOdometry, index, o.node, true, misfit / sigma, block, rows[count++]);
   };
   const Eigen::Vector3d off = o.T_before_after.translation_m - step;
   const double kd = 1.0 / o.distance_sigma_m, kh = 1.0 / o.heading_sigma_rad;
@@ -255,16 +247,7 @@ int motion_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) {
   const Node& A = t.nodes[m.node];
   int count = 0;
   const auto add = [&](double residual) -> ObservationRow& {
-    ObservationRow& row = rows[count++];
-    row.kind = RowKind::kMotion;
-    row.index = index;
-    row.node = m.node;
-    row.has_next = m.step_s > 0;
-    row.has_shared = false;
-    row.residual = residual;
-    row.by_node.setZero(block);
-    row.by_next.setZero(block);
-    return row;
+    return begin_row(RowKind::kMotion, index, m.node, m.step_s > 0, residual, block, rows[count++]);
   };
   // Where nothing tells the heading it is somewhere on the circle; no residual: no direction is preferred.
   if (m.step_s <= 0) add(0.0).by_node[2] = 1.0 / std::numbers::pi;
@@ -307,9 +290,7 @@ void build_chain_system(const Trajectory& t, const Segment& segment, const Share
   system.U.assign(count, NodeBlock::Zero(n, n));
   system.g.assign(count, NodeVector::Zero(n));
   for_each_row(t, segment, state, [&](const ObservationRow& row) {
-    double rho = row.residual * row.residual, w = 1.0;
-    if (is_robust(row.kind)) loss.evaluate(row.residual, rho, w);
-    system.cost += 0.5 * rho;
+    const double w = weigh(row, loss, system.cost);
     const std::size_t k = row.node - segment.first_node;
     system.D[k].noalias() += w * row.by_node.transpose() * row.by_node;
     system.g[k].noalias() += w * row.residual * row.by_node.transpose();
@@ -324,15 +305,16 @@ void build_chain_system(const Trajectory& t, const Segment& segment, const Share
 int arrival_residuals(const Trajectory& t, const ArrivalObservation& a, const SharedState& state,
                       double* residuals) {
   const Pose interpolated = a.alpha == 0.0 ? Pose() : pose_at(t, a.node, a.alpha);
-  const PathInput in = path_at(t, a, state, a.alpha == 0.0 ? t.nodes[a.node].T_map_vehicle : interpolated);
-  if (state.has_plain_paths() && in.T_hear_send == nullptr) {
-    // One way, as nearly all arrivals are: the first term of the measurement equation,
-    // in line.
-    const double distance_m = (*in.T_map_vehicle * in.p_receiver_vehicle_m - in.p_beacon_map_m).norm();
-    residuals[0] = (a.tof_s - (distance_m / in.speed_mps + in.delay_s)) / a.sigma_s;
+  const Pose& T = a.alpha == 0.0 ? t.nodes[a.node].T_map_vehicle : interpolated;
+  if (state.has_plain_paths() && !a.two_way && !t.has_cycle_offset) {
+    // What most arrivals are, of which long logs have many: the first term of the measurement equation.
+    const double distance_m =
+        (T * state.receiver_p_vehicle_m[a.receiver.index()] - state.beacon_p_map_m[a.beacon.index()]).norm();
+    const double tof_s = distance_m / (a.model_speed_mps + state.speed_offset(t.run));
+    residuals[0] = (a.tof_s - (tof_s + state.delay_s(a.beacon, a.receiver))) / a.sigma_s;
     return 1;
   }
-  const PathOutput out = predict_arrival_value(in);
+  const PathOutput out = predict_arrival_value(path_at(t, a, state, T));
   residuals[0] = (a.tof_s - out.tof_s) / a.sigma_s;
   if (!(a.log_amplitude_sigma > 0) || !state.attenuation) return 1;
   residuals[1] = (a.log_amplitude - out.log_amplitude) / a.log_amplitude_sigma;
@@ -341,24 +323,17 @@ int arrival_residuals(const Trajectory& t, const ArrivalObservation& a, const Sh
 
 double chain_cost(const Trajectory& t, const Segment& segment, const SharedState& state,
                   const RobustLoss& loss) {
-  double cost = 0.0, rho = 0.0, w = 0.0;
-  double residuals[2];
+  double cost = 0.0, residuals[2];
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     const ArrivalObservation& a = t.arrivals[i];
     if (a.rejection != Rejection::kUsed) continue;
     const int count = arrival_residuals(t, a, state, residuals);
-    for (int k = 0; k < count; ++k) {
-      loss.evaluate(residuals[k], rho, w);
-      cost += 0.5 * rho;
-    }
+    for (int k = 0; k < count; ++k) static_cast<void>(loss.weigh(residuals[k], cost));
   }
   Segment others = segment;  // few beside the arrivals
   others.first_arrival = others.last_arrival;
-  for_each_row(t, others, state, [&](const ObservationRow& row) {
-    rho = row.residual * row.residual;
-    if (is_robust(row.kind)) loss.evaluate(row.residual, rho, w);
-    cost += 0.5 * rho;
-  });
+  for_each_row(t, others, state,
+               [&](const ObservationRow& row) { static_cast<void>(weigh(row, loss, cost)); });
   return cost;
 }
 
@@ -369,15 +344,6 @@ double arrival_residual(const Trajectory& t, const ArrivalObservation& a, const 
     whitening.set(a);
     const PlanarNode from(t.nodes[a.node].T_map_vehicle), to(t.nodes[a.node + 1].T_map_vehicle);
     return PlanarArrival(a, PlanarInterval(from, to).at(a.alpha), state, whitening).residual;
-  }
-  if (a.alpha == 0.0 && !a.two_way && !t.has_cycle_offset && state.has_plain_paths()) {
-    // What most arrivals are, of which long logs have many.
-    const Eigen::Vector3d path_m =
-        t.nodes[a.node].T_map_vehicle * state.receiver_p_vehicle_m[a.receiver.index()] -
-        state.beacon_p_map_m[a.beacon.index()];
-    const double tof_s =
-        path_m.norm() / (a.model_speed_mps + state.speed_offset(t.run)) + state.delay_s(a.beacon, a.receiver);
-    return (a.tof_s - tof_s) / a.sigma_s;
   }
   double residuals[2];
   arrival_residuals(t, a, state, residuals);

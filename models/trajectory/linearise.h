@@ -108,6 +108,11 @@ void for_each_row(const Trajectory& trajectory, const Segment& segment, const Sh
   return kind == RowKind::kTof || kind == RowKind::kAmplitude || kind == RowKind::kBearing;
 }
 
+/// Adds a row's cost and returns its weight.
+[[nodiscard]] inline double weigh(const ObservationRow& row, const RobustLoss& loss, double& cost) {
+  return (is_robust(row.kind) ? loss : RobustLoss{}).weigh(row.residual, cost);
+}
+
 /// Sum of weighted squares over a segment and its Gauss-Newton system in the states: block-tridiagonal,
 /// diagonal blocks D, coupling U to the next node, gradient g.
 struct ChainSystem {

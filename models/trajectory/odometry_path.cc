@@ -26,27 +26,38 @@ OdometryPath odometry_path(const MeasurementLog& log, VehicleId vehicle) {
   return path;
 }
 
-bool path_at(const OdometryPath& path, double time_s, Pose& T) {
-  if (path.time_s.size() < 2 || time_s < path.time_s.front() || time_s > path.time_s.back()) return false;
-  auto after = static_cast<std::size_t>(std::upper_bound(path.time_s.begin(), path.time_s.end(), time_s) -
-                                        path.time_s.begin());
-  after = std::min(after, path.time_s.size() - 1);
-  const double span = path.time_s[after] - path.time_s[after - 1];
-  T = interpolate(path.T_anchor_vehicle[after - 1], path.T_anchor_vehicle[after],
-                  span > 0 ? (time_s - path.time_s[after - 1]) / span : 0.0);
-  return true;
+std::optional<PathPlace> place_at(const OdometryPath& path, double time_s) {
+  const auto& times = path.time_s;
+  if (times.size() < 2 || time_s < times.front() || time_s > times.back()) return {};
+  const auto after =
+      static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), time_s) - times.begin());
+  const std::size_t row = std::min(after, times.size() - 1) - 1;
+  const double span = times[row + 1] - times[row];
+  return PathPlace{row, span > 0 ? (time_s - times[row]) / span : 0.0};
 }
 
+namespace {
+
+/// Pose at the later of two instants in the frame of that at the earlier, or the other way round.
+std::optional<Pose> motion_between(const OdometryPath& path, double from_s, double to_s) {
+  const auto from = place_at(path, from_s), to = place_at(path, to_s);
+  if (!from || !to) return {};
+  const auto pose = [&path](const PathPlace& at) {
+    return interpolate(path.T_anchor_vehicle[at.row], path.T_anchor_vehicle[at.row + 1], at.alpha);
+  };
+  return pose(*from).inverse() * pose(*to);
+}
+
+}  // namespace
+
 std::optional<Pose> hear_send_motion(const OdometryPath& path, const Arrival& arrival) {
-  Pose hear, send;
-  if (!path_at(path, arrival.time_s, hear) || !path_at(path, arrival.time_s - arrival.tof_s, send)) return {};
-  return hear.inverse() * send;
+  return motion_between(path, arrival.time_s, arrival.time_s - arrival.tof_s);
 }
 
 bool path_between(const OdometryPath& path, double from_s, double to_s, OdometryObservation& o) {
-  Pose A, B;
-  if (!path_at(path, from_s, A) || !path_at(path, to_s, B)) return false;
-  o.T_before_after = A.inverse() * B;
+  const auto step = motion_between(path, from_s, to_s);
+  if (!step) return false;
+  o.T_before_after = *step;
   double distance = 0.0, heading = 0.0;
   const auto first = std::upper_bound(path.time_s.begin(), path.time_s.end(), from_s) - path.time_s.begin();
   for (auto k = static_cast<std::size_t>(first); k < path.time_s.size() && path.time_s[k - 1] < to_s; ++k) {

@@ -23,8 +23,13 @@ struct OdometryPath {
 };
 [[nodiscard]] OdometryPath odometry_path(const MeasurementLog& log, VehicleId vehicle);
 
-/// Pose of the path at a time, in the anchor's frame; false outside.
-bool path_at(const OdometryPath& path, double time_s, Pose& T);
+/// A place on the path between a row and the next.
+struct PathPlace {
+  std::size_t row = 0;
+  double alpha = 0.0;
+};
+/// Place of the path at a time; none outside.
+[[nodiscard]] std::optional<PathPlace> place_at(const OdometryPath& path, double time_s);
 
 /// Pose of asking in the frame of that of hearing, of two-way ranging; none where the path does not hold
 /// both.

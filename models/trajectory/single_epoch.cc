@@ -37,6 +37,16 @@ double speed_of(const Arrival& a, const TrajectoryModel& model) {
                    std::isfinite(a.temperature_degC) ? a.temperature_degC : model.medium.temperature_degC);
 }
 
+StateSpace state_space(VehicleId vehicle, const TrajectoryModel& model) {
+  StateSpace states;
+  states.vehicle = vehicle;
+  states.motion = model.motion;
+  states.has_cycle_offset = model.timing.clock == Clock::kCycleOffset;
+  states.turnaround_s = model.timing.turnaround_s;
+  states.nominal_speed_mps = speed_mps(model.medium, model.medium.temperature_degC);
+  return states;
+}
+
 void reserve_epoch(Trajectory& t, std::size_t arrivals, std::size_t bearings) {
   t.nodes.reserve(1);
   t.segments.reserve(1);
@@ -47,11 +57,8 @@ void reserve_epoch(Trajectory& t, std::size_t arrivals, std::size_t bearings) {
 
 void set_epoch(Trajectory& t, std::span<const Arrival> arrivals, std::span<const Bearing> bearings,
                const TrajectoryModel& model) {
-  t.vehicle = arrivals.empty() ? bearings.front().vehicle : arrivals.front().vehicle;
-  t.motion = model.motion;
-  t.has_cycle_offset = model.timing.clock == Clock::kCycleOffset;
-  t.turnaround_s = model.timing.turnaround_s;
-  t.nominal_speed_mps = speed_mps(model.medium, model.medium.temperature_degC);
+  static_cast<StateSpace&>(t) =
+      state_space(arrivals.empty() ? bearings.front().vehicle : arrivals.front().vehicle, model);
   Node node;
   node.time_s = arrivals.empty() ? bearings.front().time_s : arrivals.front().time_s;
   node.epoch = arrivals.empty() ? bearings.front().epoch : arrivals.front().epoch;
@@ -72,22 +79,16 @@ void set_epoch(Trajectory& t, std::span<const Arrival> arrivals, std::span<const
 
 Trajectory standing_at(const Trajectory& like, const Node& node) {
   Trajectory t;
-  t.run = like.run;
-  t.vehicle = like.vehicle;
-  t.motion = like.motion;
-  t.has_cycle_offset = like.has_cycle_offset;
-  t.nominal_speed_mps = like.nominal_speed_mps;
-  t.turnaround_s = like.turnaround_s;
+  static_cast<StateSpace&>(t) = like;
+  t.moving = false;
+  t.motion_prior.reset();
   t.nodes = {node};
   return t;
 }
 
 void set_only_segment(Trajectory& t) {
-  Segment whole;
-  whole.last_node = 1;
-  whole.last_arrival = t.arrivals.size();
-  whole.last_bearing = t.bearings.size();
-  t.segments.assign(1, whole);
+  t.segments.assign(1, {.last_node = t.nodes.size()});
+  for_each_list([&t](auto list, auto, auto last) { t.segments.front().*last = (t.*list).size(); });
 }
 
 }  // namespace octant

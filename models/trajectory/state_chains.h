@@ -63,6 +63,121 @@ void add_row(const ObservationRow& row, double w, std::size_t k, FixedChainSyste
   system.U[k].noalias() += (w * a).lazyProduct(b.transpose());
 }
 
+/// Where the normal equations of two neighbouring states stand.
+template <int N>
+struct IntervalBlocks {
+  using Block = Eigen::Matrix<double, N, N>;
+  using Vector = Eigen::Matrix<double, N, 1>;
+  Block &D, &U, &D_next;
+  Vector &g, &g_next;
+};
+
+/// Takes arrivals between two states in space.
+struct SpatialBlocks : IntervalBlocks<6> {
+  explicit SpatialBlocks(const IntervalBlocks<6>& to) : IntervalBlocks<6>(to) {}
+
+  void add(const ArrivalObservation& heard, const SpatialInterval& interval, const SharedState& state,
+           const ArrivalWhitening& whitening, const RobustLoss& loss, double& cost) {
+    const SpatialArrival row(heard, interval, SpatialInstant(interval, heard.alpha), state, whitening);
+    const double w = loss.weigh(row.residual, cost);
+    const Vector by_node = w * row.by_node;
+    g += row.residual * by_node;
+    add_product(by_node, row.by_node, D);
+    if (heard.alpha == 0.0) return;
+    const Vector by_next = w * row.by_next;
+    g_next += row.residual * by_next;
+    add_product(by_node, row.by_next, U);
+    add_product(by_next, row.by_next, D_next);
+  }
+  void finish() {}
+
+ private:
+  static void add_product(const Vector& a, const Vector& b, Block& to) {
+    for (int j = 0; j < 6; ++j) to.col(j) += b[j] * a;
+  }
+};
+
+/// Takes arrivals between two planar states and adds them up, each symmetric block as xx, xy, xh, yy, yh, hh.
+class PlanarBlocks {
+ public:
+  explicit PlanarBlocks(const IntervalBlocks<3>& to) : to_(to) {}
+
+  void add(const ArrivalObservation& heard, const PlanarInterval& interval, const SharedState& state,
+           const ArrivalWhitening& whitening, const RobustLoss& loss, double& cost) {
+    const PlanarArrival row(heard, interval.at(heard.alpha), state, whitening);
+    const double w = loss.weigh(row.residual, cost), alpha = heard.alpha;
+    const double x = row.by_x(), y = row.by_y(), h = row.by_heading;
+    const double wx = w * x, wy = w * y, squares[6] = {wx * x, wx * y, wx * h, wy * y, wy * h, w * h * h};
+    const double before = 1.0 - alpha, bb = before * before, ba = before * alpha, aa = alpha * alpha;
+    for (int i = 0; i < 6; ++i) {
+      D_[i] += bb * squares[i];
+      U_[i] += ba * squares[i];
+      D_next_[i] += aa * squares[i];
+    }
+    const double r = row.residual, gradient[3] = {wx * r, wy * r, w * h * r};
+    for (int i = 0; i < 3; ++i) {
+      g_[i] += before * gradient[i];
+      g_next_[i] += alpha * gradient[i];
+    }
+  }
+  void finish() {
+    add_symmetric(D_, to_.D);
+    add_symmetric(U_, to_.U);
+    add_symmetric(D_next_, to_.D_next);
+    for (int i = 0; i < 3; ++i) {
+      to_.g[i] += g_[i];
+      to_.g_next[i] += g_next_[i];
+    }
+  }
+
+ private:
+  static void add_symmetric(const double (&from)[6], Eigen::Matrix3d& to) {
+    to(0, 0) += from[0];
+    to(0, 1) += from[1];
+    to(1, 0) += from[1];
+    to(0, 2) += from[2];
+    to(2, 0) += from[2];
+    to(1, 1) += from[3];
+    to(1, 2) += from[4];
+    to(2, 1) += from[4];
+    to(2, 2) += from[5];
+  }
+  IntervalBlocks<3> to_;
+  double D_[6] = {}, U_[6] = {}, D_next_[6] = {}, g_[3] = {}, g_next_[3] = {};
+};
+
+/// Adds the plain arrivals and the odometry of states [first, last) of a segment, interval by interval.
+/// @param interval_at  (k): from the segment's state k to the next, or where it is the last to itself
+template <class Blocks, class Step, int N, class IntervalAt>
+void add_intervals(const Trajectory& t, const Segment& segment, std::size_t first, std::size_t last,
+                   const SharedState& state, const RobustLoss& loss, IntervalAt&& interval_at,
+                   FixedChainSystem<N>& system, BeyondStretch<N>& beyond) {
+  const std::size_t base = segment.first_node;
+  ArrivalWhitening whitening(state.speed_offset(t.run));
+  std::size_t a = first_of_node(t.arrivals, base + first, segment.first_arrival, segment.last_arrival),
+              o = first_of_node(t.odometry, base + first, segment.first_odometry, segment.last_odometry);
+  double cost = 0.0;
+  for (std::size_t k = first; k < last; ++k) {
+    const auto interval = interval_at(k);
+    const bool is_last = k + 1 == last;
+    const IntervalBlocks<N> to{system.D[k], system.U[k], is_last ? beyond.D : system.D[k + 1], system.g[k],
+                               is_last ? beyond.g : system.g[k + 1]};
+    Blocks blocks(to);
+    for (; a < segment.last_arrival && t.arrivals[a].node == base + k; ++a) {
+      if (t.arrivals[a].rejection != Rejection::kUsed) continue;
+      whitening.set(t.arrivals[a]);
+      blocks.add(t.arrivals[a], interval, state, whitening, loss, cost);
+    }
+    blocks.finish();
+    for (; o < segment.last_odometry && t.odometry[o].node == base + k; ++o) {
+      const Step step(t.odometry[o], interval);
+      cost += step.cost();
+      step.add_to(to.D, to.g, to.U, to.D_next, to.g_next);
+    }
+  }
+  beyond.cost += cost;
+}
+
 /// Any segment: its states are the nodes themselves.
 template <int N>
 class NodeChain {
@@ -85,15 +200,20 @@ class NodeChain {
           last - first == kept_.size() ? segment_ : stretch_of(t_, segment_, base + first, base + last + 1);
       if constexpr (N == 6) {
         if (is_spatial) {
-          add_spatial(part, first, last, state, loss, system, beyond);
+          add_intervals<SpatialBlocks, SpatialStep>(
+              t_, segment_, first, last, state, loss,
+              [this](std::size_t k) {
+                const Node* const node = &t_.nodes[segment_.first_node + k];
+                return SpatialInterval(node[0].T_map_vehicle,
+                                       node[k + 1 < kept_.size() ? 1 : 0].T_map_vehicle);
+              },
+              system, beyond);
           part.first_arrival = part.last_arrival;
           part.first_odometry = part.last_odometry;
         }
       }
       for_each_row(t_, part, state, [&](const ObservationRow& row) {
-        double rho = row.residual * row.residual, w = 1.0;
-        if (is_robust(row.kind)) loss.evaluate(row.residual, rho, w);
-        beyond.cost += 0.5 * rho;
+        const double w = weigh(row, loss, beyond.cost);
         const std::size_t k = row.node - base;
         add_row(row, w, k, system, k + 1 == last ? &beyond : nullptr);
       });
@@ -110,100 +230,12 @@ class NodeChain {
   void finish() {}
 
  private:
-  /// Plain arrivals and odometry of a stretch.
-  void add_spatial(const Segment& part, std::size_t first, std::size_t last, const SharedState& state,
-                   const RobustLoss& loss, FixedChainSystem<N>& system, BeyondStretch<N>& beyond) const {
-    ArrivalWhitening whitening(state.speed_offset(t_.run));
-    std::size_t a = part.first_arrival, o = part.first_odometry;
-    const bool plain = is_plain(loss);
-    double cost = 0.0;
-    for (std::size_t k = first; k < last; ++k) {
-      const std::size_t node = segment_.first_node + k;
-      const bool at_end = k + 1 == kept_.size(), is_last = k + 1 == last;
-      const SpatialInterval interval(t_.nodes[node].T_map_vehicle,
-                                     t_.nodes[at_end ? node : node + 1].T_map_vehicle);
-      Eigen::Matrix<double, N, N>&D = system.D[k], &U = system.U[k],
-                               &D_next = is_last ? beyond.D : system.D[k + 1];
-      Vector &g = system.g[k], &g_next = is_last ? beyond.g : system.g[k + 1];
-      for (; a < part.last_arrival && t_.arrivals[a].node == node; ++a) {
-        const ArrivalObservation& heard = t_.arrivals[a];
-        if (heard.rejection != Rejection::kUsed) continue;
-        whitening.set(heard);
-        const SpatialInstant at(interval, heard.alpha);
-        const SpatialArrival row(heard, interval, at, state, whitening);
-        double rho = row.residual * row.residual, w = 1.0;
-        if (!plain) loss.evaluate(row.residual, rho, w);
-        cost += 0.5 * rho;
-        const Vector by_node = w * row.by_node;
-        g += row.residual * by_node;
-        add_product(by_node, row.by_node, D);
-        if (heard.alpha == 0.0) continue;
-        const Vector by_next = w * row.by_next;
-        g_next += row.residual * by_next;
-        add_product(by_node, row.by_next, U);
-        add_product(by_next, row.by_next, D_next);
-      }
-      for (; o < part.last_odometry && t_.odometry[o].node == node; ++o) {
-        const SpatialStep step(t_.odometry[o], interval);
-        cost += step.cost();
-        step.add_to(D, g, U, D_next, g_next);
-      }
-    }
-    beyond.cost += cost;
-  }
-  static void add_product(const Vector& a, const Vector& b, Eigen::Matrix<double, N, N>& to) {
-    for (int j = 0; j < N; ++j) to.col(j) += b[j] * a;
-  }
-
   [[nodiscard]] std::vector<Node>::iterator begin() {
     return t_.nodes.begin() + static_cast<std::ptrdiff_t>(segment_.first_node);
   }
   Trajectory& t_;
   const Segment& segment_;
   std::pmr::vector<Node> kept_;
-};
-
-/// Normal equations of the arrivals between two planar states, each symmetric block as xx, xy, xh, yy, yh,
-/// hh.
-struct IntervalSums {
-  double D[6] = {}, U[6] = {}, D_next[6] = {}, g[3] = {}, g_next[3] = {};
-
-  void add(const PlanarArrival& row, double w, double alpha) {
-    const double x = row.by_x(), y = row.by_y(), h = row.by_heading;
-    const double wx = w * x, wy = w * y, squares[6] = {wx * x, wx * y, wx * h, wy * y, wy * h, w * h * h};
-    const double before = 1.0 - alpha, bb = before * before, ba = before * alpha, aa = alpha * alpha;
-    for (int i = 0; i < 6; ++i) {
-      D[i] += bb * squares[i];
-      U[i] += ba * squares[i];
-      D_next[i] += aa * squares[i];
-    }
-    const double r = row.residual, gradient[3] = {wx * r, wy * r, w * h * r};
-    for (int i = 0; i < 3; ++i) {
-      g[i] += before * gradient[i];
-      g_next[i] += alpha * gradient[i];
-    }
-  }
-  static void put(const double (&from)[6], Eigen::Matrix3d& to) {
-    to(0, 0) += from[0];
-    to(0, 1) += from[1];
-    to(1, 0) += from[1];
-    to(0, 2) += from[2];
-    to(2, 0) += from[2];
-    to(1, 1) += from[3];
-    to(1, 2) += from[4];
-    to(2, 1) += from[4];
-    to(2, 2) += from[5];
-  }
-  void add_to(Eigen::Matrix3d& to_D, Eigen::Vector3d& to_g, Eigen::Matrix3d& to_U, Eigen::Matrix3d& to_next,
-              Eigen::Vector3d& to_g_next) const {
-    put(D, to_D);
-    put(U, to_U);
-    put(D_next, to_next);
-    for (int i = 0; i < 3; ++i) {
-      to_g[i] += g[i];
-      to_g_next[i] += g_next[i];
-    }
-  }
 };
 
 /// A segment in the plane with plain arrivals, and odometry between its states or none.
@@ -229,7 +261,12 @@ class PlanarChain {
   void build(const SharedState& state, const RobustLoss& loss, FixedChainSystem<3>& system, int threads) {
     build_stretches(now_.size(), threads, system,
                     [&](BeyondStretch<3>& beyond, std::size_t first, std::size_t last) {
-                      build_stretch(state, loss, first, last, system, beyond);
+                      add_intervals<PlanarBlocks, PlanarStep>(
+                          t_, segment_, first, last, state, loss,
+                          [this](std::size_t k) {
+                            return PlanarInterval(now_[k], now_[k + 1 < now_.size() ? k + 1 : k]);
+                          },
+                          system, beyond);
                     });
     if (has_others_) add_others(state, loss, system);
   }
@@ -249,50 +286,6 @@ class PlanarChain {
       t_.nodes[segment_.first_node + k].T_map_vehicle = now_[k].pose();
   }
 
-  template <class Observation>
-  std::size_t first_at(const std::vector<Observation>& list, std::size_t first, std::size_t last,
-                       std::size_t node) const {
-    const auto begin = list.begin() + static_cast<std::ptrdiff_t>(first),
-               end = list.begin() + static_cast<std::ptrdiff_t>(last);
-    return static_cast<std::size_t>(
-        std::partition_point(begin, end, [node](const Observation& o) { return o.node < node; }) -
-        list.begin());
-  }
-
-  void build_stretch(const SharedState& state, const RobustLoss& loss, std::size_t first, std::size_t last,
-                     FixedChainSystem<3>& system, BeyondStretch<3>& beyond) const {
-    const std::size_t base = segment_.first_node;
-    ArrivalWhitening whitening(state.speed_offset(t_.run));
-    std::size_t a = first_at(t_.arrivals, segment_.first_arrival, segment_.last_arrival, base + first),
-                o = first_at(t_.odometry, segment_.first_odometry, segment_.last_odometry, base + first);
-    const bool plain = is_plain(loss);
-    double cost = 0.0;
-    for (std::size_t k = first; k < last; ++k) {
-      const bool at_end = k + 1 == now_.size();
-      const PlanarInterval interval(now_[k], now_[at_end ? k : k + 1]);
-      IntervalSums sums;
-      for (; a < segment_.last_arrival && t_.arrivals[a].node == base + k; ++a) {
-        const ArrivalObservation& heard = t_.arrivals[a];
-        if (heard.rejection != Rejection::kUsed) continue;
-        whitening.set(heard);
-        const PlanarArrival row(heard, interval.at(heard.alpha), state, whitening);
-        double rho = row.residual * row.residual, w = 1.0;
-        if (!plain) loss.evaluate(row.residual, rho, w);
-        cost += 0.5 * rho;
-        sums.add(row, w, heard.alpha);
-      }
-      Eigen::Matrix3d& D_next = k + 1 == last ? beyond.D : system.D[k + 1];
-      Eigen::Vector3d& g_next = k + 1 == last ? beyond.g : system.g[k + 1];
-      sums.add_to(system.D[k], system.g[k], system.U[k], D_next, g_next);
-      for (; o < segment_.last_odometry && t_.odometry[o].node == base + k; ++o) {
-        const PlanarStep step(t_.odometry[o], interval);
-        cost += step.cost();
-        step.add_to(system.D[k], system.g[k], system.U[k], D_next, g_next);
-      }
-    }
-    beyond.cost = cost;
-  }
-
   /// Bearings and measured poses, of which there are few.
   void add_others(const SharedState& state, const RobustLoss& loss, FixedChainSystem<3>& system) {
     write();
@@ -300,9 +293,7 @@ class PlanarChain {
     others.first_arrival = others.last_arrival;
     others.first_odometry = others.last_odometry;
     for_each_row(t_, others, state, [&](const ObservationRow& row) {
-      double rho = row.residual * row.residual, w = 1.0;
-      if (is_robust(row.kind)) loss.evaluate(row.residual, rho, w);
-      system.cost += 0.5 * rho;
+      const double w = weigh(row, loss, system.cost);
       add_row(row, w, row.node - segment_.first_node, system);
     });
   }

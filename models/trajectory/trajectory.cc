@@ -30,11 +30,8 @@ class Builder {
  public:
   Builder(const MeasurementLog& log, std::size_t run, VehicleId vehicle, const TrajectoryModel& model)
       : log_(log), model_(model), path_(odometry_path(log, vehicle)) {
+    static_cast<StateSpace&>(t_) = state_space(vehicle, model);
     t_.run = run;
-    t_.vehicle = vehicle;
-    t_.motion = model.motion;
-    t_.has_cycle_offset = model.timing.clock == Clock::kCycleOffset;
-    t_.turnaround_s = model.timing.turnaround_s;
     t_.nominal_speed_mps = speed_mps(run_medium(), run_temperature_degC());
     arrivals_.reserve(log.arrivals.size());
     for (std::size_t i = 0; i < log.arrivals.size(); ++i)
@@ -114,8 +111,7 @@ class Builder {
     auto node_for = [&](std::int64_t epoch, double time_s) {
       const auto [it, added] = node_of.try_emplace(epoch, t_.nodes.size());
       if (added) {
-        t_.nodes.push_back(
-            {.time_s = time_s, .epoch = epoch, .T_map_vehicle = {}, .cycle_offset_s = 0.0, .placed = false});
+        t_.nodes.push_back({.time_s = time_s, .epoch = epoch, .T_map_vehicle = {}});
         arrivals.emplace_back();
         bearings.emplace_back();
       }
@@ -150,11 +146,7 @@ class Builder {
     for (std::size_t first = 0; first < arrivals_.size();) {
       const Arrival& begin = log_.arrivals[arrivals_[first]];
       const std::size_t k = t_.nodes.size();
-      t_.nodes.push_back({.time_s = begin.time_s,
-                          .epoch = begin.epoch,
-                          .T_map_vehicle = {},
-                          .cycle_offset_s = 0.0,
-                          .placed = false});
+      t_.nodes.push_back({.time_s = begin.time_s, .epoch = begin.epoch, .T_map_vehicle = {}});
       if (!chained(k)) open_segment(k);
       arrivals.clear();
       for (; first < arrivals_.size() && log_.arrivals[arrivals_[first]].epoch == begin.epoch; ++first)
@@ -194,9 +186,7 @@ class Builder {
   /// Nodes at the odometry rows; what happens between two rows belongs to the earlier one, with alpha.
   void build_drive() {
     t_.moving = true;
-    for (const double time_s : path_.time_s)
-      t_.nodes.push_back(
-          {.time_s = time_s, .epoch = kNoEpoch, .T_map_vehicle = {}, .cycle_offset_s = 0.0, .placed = false});
+    for (const double time_s : path_.time_s) t_.nodes.push_back({.time_s = time_s, .T_map_vehicle = {}});
     open_segment(0);
     for (std::size_t k = 0; k + 1 < path_.time_s.size(); ++k) {
       const Pose step = path_.T_anchor_vehicle[k].inverse() * path_.T_anchor_vehicle[k + 1];
@@ -204,38 +194,22 @@ class Builder {
                              std::sqrt(path_.heading_variance_rad2[k + 1])});
     }
     for (const std::size_t i : arrivals_) {
-      std::size_t node = 0;
-      double alpha = 0.0;
-      if (between_nodes(log_.arrivals[i].time_s, node, alpha)) {
-        add_arrival(i, node, alpha);
+      if (const auto at = place_at(path_, log_.arrivals[i].time_s)) {
+        add_arrival(i, at->row, at->alpha);
       } else {
         t_.stateless_arrivals.push_back(i);
       }
     }
-    for (const std::size_t i : bearings_) {
-      std::size_t node = 0;
-      double alpha = 0.0;
-      if (between_nodes(log_.bearings[i].time_s, node, alpha)) add_bearing(i, node, alpha);
-    }
+    for (const std::size_t i : bearings_)
+      if (const auto at = place_at(path_, log_.bearings[i].time_s)) add_bearing(i, at->row, at->alpha);
     std::stable_sort(t_.arrivals.begin(), t_.arrivals.end(),
                      [](const auto& a, const auto& b) { return a.node < b.node; });
     for (const TimedPose& pose : log_.poses) {
-      std::size_t node = 0;
-      double alpha = 0.0;
-      if (log_.vehicle != t_.vehicle || !between_nodes(pose.time_s, node, alpha)) continue;
-      t_.poses.push_back(pose_observation(node, alpha, pose.T_map_vehicle, log_.pose_accuracy));
+      const auto at = place_at(path_, pose.time_s);
+      if (log_.vehicle != t_.vehicle || !at) continue;
+      t_.poses.push_back(pose_observation(at->row, at->alpha, pose.T_map_vehicle, log_.pose_accuracy));
     }
     close_segment(t_.nodes.size());
-  }
-
-  bool between_nodes(double time_s, std::size_t& node, double& alpha) const {
-    const auto& times = path_.time_s;
-    if (time_s < times.front() || time_s > times.back()) return false;
-    node = static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), time_s) - times.begin());
-    node = std::min(std::max<std::size_t>(node, 1), times.size() - 1) - 1;
-    const double span = times[node + 1] - times[node];
-    alpha = span > 0 ? (time_s - times[node]) / span : 0.0;
-    return true;
   }
 
   /// Nothing but arrivals: a state with a velocity at each instant; after a long silence the prior says
@@ -255,8 +229,7 @@ class Builder {
       } else {
         t_.motion_steps.push_back({k - 1, step_s});
       }
-      t_.nodes.push_back(
-          {.time_s = time_s, .epoch = kNoEpoch, .T_map_vehicle = {}, .cycle_offset_s = 0.0, .placed = false});
+      t_.nodes.push_back({.time_s = time_s, .T_map_vehicle = {}});
       for (; first < arrivals_.size() && log_.arrivals[arrivals_[first]].time_s <= time_s + kSameInstant_s;
            ++first)
         add_arrival(arrivals_[first], k, 0.0);
@@ -302,11 +275,7 @@ class Builder {
         for (std::size_t i = first; i < last; ++i) t_.stateless_arrivals.push_back(arrivals_[i]);
       } else {
         const std::size_t k = t_.nodes.size();
-        t_.nodes.push_back({.time_s = time_s,
-                            .epoch = kNoEpoch,
-                            .T_map_vehicle = T,
-                            .cycle_offset_s = 0.0,
-                            .placed = measured});
+        t_.nodes.push_back({.time_s = time_s, .T_map_vehicle = T, .placed = measured});
         open_segment(k);
         for (std::size_t i = first; i < last; ++i) add_arrival(arrivals_[i], k, 0.0);
         while (next_bearing < bearings_.size() && log_.bearings[bearings_[next_bearing]].time_s < time_s)
@@ -321,21 +290,15 @@ class Builder {
     }
   }
 
+  /// An odometry observation that leads to the node has not been added: it would have continued the segment
+  /// before.
   void open_segment(std::size_t node) {
-    // An odometry observation that leads to this node has not been added: it would have continued the
-    // segment.
-    const std::size_t a = t_.arrivals.size(), b = t_.bearings.size(), p = t_.poses.size(),
-                      o = t_.odometry.size(), m = t_.motion_steps.size();
-    t_.segments.push_back({node, node, a, a, b, b, p, p, o, o, m, m});
+    t_.segments.push_back({.first_node = node});
+    for_each_list([this](auto list, auto first, auto) { t_.segments.back().*first = (t_.*list).size(); });
   }
   void close_segment(std::size_t last_node) {
-    Segment& s = t_.segments.back();
-    s.last_node = last_node;
-    s.last_arrival = t_.arrivals.size();
-    s.last_bearing = t_.bearings.size();
-    s.last_pose = t_.poses.size();
-    s.last_odometry = t_.odometry.size();
-    s.last_motion = t_.motion_steps.size();
+    t_.segments.back().last_node = last_node;
+    for_each_list([this](auto list, auto, auto last) { t_.segments.back().*last = (t_.*list).size(); });
   }
 
   const MeasurementLog& log_;

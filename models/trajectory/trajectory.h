@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -94,28 +96,16 @@ struct Segment {
   std::size_t first_motion = 0, last_motion = 0;
 };
 
-/// All states of one vehicle in one run, with everything that was observed of them.
-struct Trajectory {
+/// What the states of a vehicle in a run consist of.
+struct StateSpace {
   std::size_t run = 0;  ///< index of the run
   VehicleId vehicle;
   Motion motion = Motion::kPlanar;
   bool has_cycle_offset = false;
-  bool moving = false;               ///< no epochs: states at odometry or arrival times
-  double nominal_speed_mps = 343.0;  ///< turns cycle offsets into metres
-  std::vector<Node> nodes;
-  std::vector<Segment> segments;
-  std::vector<ArrivalObservation> arrivals;
-  std::vector<BearingObservation> bearings;
-  std::vector<PoseObservation> poses;
-  std::vector<OdometryObservation> odometry;
-  std::vector<MotionObservation> motion_steps;
+  bool moving = false;                      ///< no epochs: states at odometry or arrival times
+  double nominal_speed_mps = 343.0;         ///< turns cycle offsets into metres
+  double turnaround_s = 0.0;                ///< of two-way ranging
   std::optional<MotionPrior> motion_prior;  ///< planar motion; states then carry their velocity
-  /// Arrivals of the run that no state could carry (before the first odometry row, in a gap of the measured
-  /// poses).
-  std::vector<std::size_t> stateless_arrivals;
-  double turnaround_s = 0.0;  ///< of two-way ranging
-  std::vector<Pose>
-      T_hear_send;  ///< two-way ranging: the pose when the vehicle asked in the frame of that when it heard
 
   /// Unknowns of a node: the pose's, then the cycle offset (in metres at the medium's speed) or the velocity
   /// where there is one.
@@ -123,6 +113,44 @@ struct Trajectory {
     return pose_dof(motion) + (has_cycle_offset ? 1 : 0) + (motion_prior ? 3 : 0);
   }
 };
+
+/// All states of one vehicle in one run, with everything that was observed of them.
+struct Trajectory : StateSpace {
+  std::vector<Node> nodes;
+  std::vector<Segment> segments;
+  std::vector<ArrivalObservation> arrivals;
+  std::vector<BearingObservation> bearings;
+  std::vector<PoseObservation> poses;
+  std::vector<OdometryObservation> odometry;
+  std::vector<MotionObservation> motion_steps;
+  /// Arrivals of the run that no state could carry (before the first odometry row, in a gap of the measured
+  /// poses).
+  std::vector<std::size_t> stateless_arrivals;
+  std::vector<Pose>
+      T_hear_send;  ///< two-way ranging: the pose when the vehicle asked in the frame of that when it heard
+};
+
+/// Calls visit(list, first, last) for each list of observations: the member of a trajectory that holds it,
+/// and those of a segment that hold its range.
+template <class Visit>
+void for_each_list(Visit&& visit) {
+  visit(&Trajectory::arrivals, &Segment::first_arrival, &Segment::last_arrival);
+  visit(&Trajectory::bearings, &Segment::first_bearing, &Segment::last_bearing);
+  visit(&Trajectory::poses, &Segment::first_pose, &Segment::last_pose);
+  visit(&Trajectory::odometry, &Segment::first_odometry, &Segment::last_odometry);
+  visit(&Trajectory::motion_steps, &Segment::first_motion, &Segment::last_motion);
+}
+
+/// Index of the first observation of a node or of one behind it, within [first, last) of a list.
+template <class Observation>
+[[nodiscard]] std::size_t first_of_node(const std::vector<Observation>& list, std::size_t node,
+                                        std::size_t first, std::size_t last) {
+  const auto begin = list.begin();
+  const auto at = std::partition_point(begin + static_cast<std::ptrdiff_t>(first),
+                                       begin + static_cast<std::ptrdiff_t>(last),
+                                       [node](const Observation& o) { return o.node < node; });
+  return static_cast<std::size_t>(at - begin);
+}
 
 /// The amplitude at which an arrival's walk is taken: the measured one of a directional receiver, as
 /// PathInput has it. Far off its axis a receiver just hears, where the walk grows without bound: a pose must
@@ -158,6 +186,9 @@ struct TrajectoryModel {
   std::vector<std::optional<MotionPrior>> motion_priors{};
 };
 
+/// What the states of a vehicle consist of in the model's own medium: of run 0, and standing.
+[[nodiscard]] StateSpace state_space(VehicleId vehicle, const TrajectoryModel& model);
+
 /// Builds the states of one vehicle of a run and attaches its observations.
 /// Epochs: one node each (chained by odometry where the run has it); measured poses interpolated at the
 /// epoch's arrivals. No epochs, odometry: nodes at its rows; arrivals and measured poses between them. No
@@ -178,7 +209,8 @@ void set_epoch(Trajectory& trajectory, std::span<const Arrival> arrivals, std::s
 /// The vehicle of a trajectory, standing at a node; what it observes there is to be added, and then the
 /// segment of all that.
 [[nodiscard]] Trajectory standing_at(const Trajectory& like, const Node& node);
-void set_only_segment(Trajectory& of_one_node);
+/// One segment of all that a trajectory holds.
+void set_only_segment(Trajectory& trajectory);
 /// Takes the memory for epochs of that many rows.
 void reserve_epoch(Trajectory& trajectory, std::size_t arrivals, std::size_t bearings);
 
@@ -199,7 +231,19 @@ struct RobustLoss {
   double late_scale = 0.0;  ///< 0: plain squares
   double early_scale = 0.0;
   /// rho(r^2) and its derivative by r^2, so that the cost is 1/2 rho and the weight rho'.
-  void evaluate(double residual, double& rho, double& weight) const;
+  void evaluate(double residual, double& rho, double& weight) const {
+    const double s2 = residual * residual, scale = residual > 0 ? late_scale : early_scale;
+    const double c2 = scale * scale;
+    rho = scale > 0 ? c2 * std::log1p(s2 / c2) : s2;
+    weight = scale > 0 ? 1.0 / (1.0 + s2 / c2) : 1.0;
+  }
+  /// Adds a residual's cost and returns its weight.
+  [[nodiscard]] double weigh(double residual, double& cost) const {
+    double rho = 0.0, weight = 1.0;
+    evaluate(residual, rho, weight);
+    cost += 0.5 * rho;
+    return weight;
+  }
 };
 
 /// Outcome of solving for the states of one segment for given shared parameters.

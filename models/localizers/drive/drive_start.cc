@@ -41,11 +41,8 @@ bool is_clear(const SearchProblem& problem, const SearchResult& result, double m
 /// The first node at or after one at which anything is heard, or the segment's end: what passes before says
 /// nothing, and would take a window's time.
 std::size_t heard_from(const Trajectory& t, const Segment& segment, std::size_t node) {
-  const auto begin = t.arrivals.begin() + static_cast<std::ptrdiff_t>(segment.first_arrival),
-             end = t.arrivals.begin() + static_cast<std::ptrdiff_t>(segment.last_arrival);
-  const auto at =
-      std::partition_point(begin, end, [node](const ArrivalObservation& a) { return a.node < node; });
-  return at == end ? segment.last_node : at->node;
+  const std::size_t at = first_of_node(t.arrivals, node, segment.first_arrival, segment.last_arrival);
+  return at == segment.last_arrival ? segment.last_node : t.arrivals[at].node;
 }
 
 }  // namespace

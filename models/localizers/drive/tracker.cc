@@ -32,16 +32,6 @@ constexpr int kSegmentOutlierRounds = 5;
 /// Steps that gain less than this share of the cost are the last: before arrivals are marked, and after.
 constexpr double kNearlyConverged = 1e-5, kConverged = 1e-10;
 
-/// First arrival of the segment at or after a node.
-std::size_t arrival_from(const Trajectory& t, const Segment& segment, std::size_t node) {
-  const auto begin = t.arrivals.begin();
-  return static_cast<std::size_t>(
-      std::partition_point(begin + static_cast<std::ptrdiff_t>(segment.first_arrival),
-                           begin + static_cast<std::ptrdiff_t>(segment.last_arrival),
-                           [node](const ArrivalObservation& a) { return a.node < node; }) -
-      begin);
-}
-
 /// Part of an odometry step between two of its instants.
 Pose subsample_of(const Pose& step, double from, double to) {
   return interpolate(Pose{}, step, from).inverse() * interpolate(Pose{}, step, to);
@@ -50,7 +40,7 @@ Pose subsample_of(const Pose& step, double from, double to) {
 /// Forward from a node to the segment's end, or until lost; returns the node reached.
 template <class Filter>
 std::size_t run_forward(Trajectory& t, const Segment& segment, Filter& filter, std::size_t node) {
-  std::size_t next = arrival_from(t, segment, node);
+  std::size_t next = first_of_node(t.arrivals, node, segment.first_arrival, segment.last_arrival);
   for (; node + 1 < segment.last_node; ++node) {
     const OdometryObservation& step = t.odometry[segment.first_odometry + node - segment.first_node];
     double done = 0.0;
@@ -73,7 +63,7 @@ std::size_t run_forward(Trajectory& t, const Segment& segment, Filter& filter, s
 /// Backward from a node to the segment's first.
 template <class Filter>
 void run_backward(Trajectory& t, const Segment& segment, Filter& filter, std::size_t node) {
-  std::size_t next = arrival_from(t, segment, node);
+  std::size_t next = first_of_node(t.arrivals, node, segment.first_arrival, segment.last_arrival);
   for (; node > segment.first_node; --node) {
     const OdometryObservation& step = t.odometry[segment.first_odometry + node - 1 - segment.first_node];
     double done = 1.0;
