@@ -72,10 +72,7 @@ struct JointCovariance {
   Eigen::MatrixXd matrix;
 
   /// Where a parameter stands; -1: it was held fixed.
-  [[nodiscard]] int index_of(const ParameterId& id) const {
-    const auto at = std::find(parameters.begin(), parameters.end(), id);
-    return at == parameters.end() ? -1 : static_cast<int>(at - parameters.begin());
-  }
+  [[nodiscard]] int index_of(const ParameterId& id) const { return octant::index_of(parameters, id); }
 };
 
 /// The part of the errors of arrivals that is not white, as the calibration's residuals show it; zero: there

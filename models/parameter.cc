@@ -75,6 +75,11 @@ std::optional<std::uint32_t> run_number(std::string_view owner) {
 
 }  // namespace
 
+int index_of(std::span<const ParameterId> parameters, const ParameterId& id) {
+  const auto at = std::find(parameters.begin(), parameters.end(), id);
+  return at == parameters.end() ? -1 : static_cast<int>(at - parameters.begin());
+}
+
 std::optional<std::size_t> beacon_of(const ParameterId& id) {
   const ParameterOwner owner = row_of(id.kind).owner;
   return owner == ParameterOwner::kBeacon ? std::optional<std::size_t>(id.owner) : std::nullopt;
@@ -123,18 +128,11 @@ void ParameterIndex::set(const ParameterId& id, int place) {
   of_owner[id.component] = place;
 }
 
-std::array<int, 4> ParameterIndex::beacon(std::size_t beacon) const {
-  namespace of = parameters;
+std::array<int, 4> ParameterIndex::transducer(ParameterKind position, ParameterKind delay,
+                                              std::size_t owner) const {
   const ParameterIndex& at = *this;
-  return {at[of::beacon_position(beacon, 0)], at[of::beacon_position(beacon, 1)],
-          at[of::beacon_position(beacon, 2)], at[of::beacon_delay(beacon)]};
-}
-
-std::array<int, 4> ParameterIndex::receiver(std::size_t receiver) const {
-  namespace of = parameters;
-  const ParameterIndex& at = *this;
-  return {at[of::receiver_position(receiver, 0)], at[of::receiver_position(receiver, 1)],
-          at[of::receiver_position(receiver, 2)], at[of::receiver_delay(receiver)]};
+  return {at[parameters::of(position, owner, 0)], at[parameters::of(position, owner, 1)],
+          at[parameters::of(position, owner, 2)], at[parameters::of(delay, owner)]};
 }
 
 ParameterLookup::ParameterLookup(const NameTable& names) {

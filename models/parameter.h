@@ -155,6 +155,9 @@ auto visit_parameter(const ParameterId& id, Visitor&& holder) {
   return holder.pair_bias(owner, component);
 }
 
+/// Where a parameter stands in a list; -1: it is not among them.
+[[nodiscard]] int index_of(std::span<const ParameterId> parameters, const ParameterId& id);
+
 /// The beacon whose number it is.
 [[nodiscard]] std::optional<std::size_t> beacon_of(const ParameterId& id);
 [[nodiscard]] ParameterTopic topic_of(const ParameterId& id);
@@ -184,11 +187,17 @@ class ParameterIndex {
     return of_kind[id.owner][id.component];
   }
   /// Places of its position's three axes and its delay.
-  [[nodiscard]] std::array<int, 4> beacon(std::size_t beacon) const;
+  [[nodiscard]] std::array<int, 4> beacon(std::size_t beacon) const {
+    return transducer(ParameterKind::kBeaconPosition, ParameterKind::kBeaconDelay, beacon);
+  }
   /// As for a beacon.
-  [[nodiscard]] std::array<int, 4> receiver(std::size_t receiver) const;
+  [[nodiscard]] std::array<int, 4> receiver(std::size_t receiver) const {
+    return transducer(ParameterKind::kReceiverPosition, ParameterKind::kReceiverDelay, receiver);
+  }
 
  private:
+  [[nodiscard]] std::array<int, 4> transducer(ParameterKind position, ParameterKind delay,
+                                              std::size_t owner) const;
   std::array<std::vector<std::vector<int>>, kParameterKinds> at_;  ///< by kind, owner, component
 };
 

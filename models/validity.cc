@@ -5,19 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/physics/plane.h"
 #include "models/support/utc_time.h"
 #include "models/trajectory/planar.h"
 
 namespace octant {
 namespace {
-
-double distance_from_edge_m(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
-                            const Eigen::Vector2d& point) {
-  const Eigen::Vector2d along = b - a;
-  const double squared = along.squaredNorm();
-  const double at = squared > 0.0 ? std::clamp((point - a).dot(along) / squared, 0.0, 1.0) : 0.0;
-  return (point - a - at * along).norm();
-}
 
 double extent_m(const std::vector<Eigen::Vector2d>& area) {
   double largest = 0.0;
@@ -89,9 +82,8 @@ double distance_from_area_m(const std::vector<Eigen::Vector2d>& area, const Eige
   double nearest_m = INFINITY;
   for (std::size_t i = 0; i < area.size(); ++i) {
     const Eigen::Vector2d &a = area[i], &b = area[(i + 1) % area.size()];
-    const Eigen::Vector2d along = b - a, to = point - a;
-    inside = inside && along.x() * to.y() - along.y() * to.x() >= 0.0;
-    nearest_m = std::min(nearest_m, distance_from_edge_m(a, b, point));
+    inside = inside && cross(b - a, point - a) >= 0.0;
+    nearest_m = std::min(nearest_m, distance_from_segment(a, b, point));
   }
   return inside ? 0.0 : nearest_m;
 }

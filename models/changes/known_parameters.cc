@@ -81,11 +81,6 @@ Eigen::MatrixXd separate_covariance(const KnownParameters& known, const Deployme
 
 }  // namespace
 
-int KnownParameters::index_of(const ParameterId& parameter) const {
-  const auto at = std::find(parameters.begin(), parameters.end(), parameter);
-  return at == parameters.end() ? -1 : static_cast<int>(at - parameters.begin());
-}
-
 KnownParameters known_parameters(const Deployment& d) {
   KnownParameters known;
   known.parameters = parameters_of(d);

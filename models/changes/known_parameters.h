@@ -19,7 +19,7 @@ struct KnownParameters {
 
   [[nodiscard]] Eigen::Index size() const { return value.size(); }
   /// Where a parameter stands; -1: not known.
-  [[nodiscard]] int index_of(const ParameterId& parameter) const;
+  [[nodiscard]] int index_of(const ParameterId& id) const { return octant::index_of(parameters, id); }
 };
 
 /// All but beacons that are undetermined. A site's one delay stands on every beacon, fully correlated;

@@ -113,7 +113,7 @@ bool Follower::is_set_back(Lane& lane, Behind& behind, double time_s) {
 
 void Follower::begin_anew(Lane& lane) {
   ++counts_.restarts;
-  if (!lane.row_s && lane.localizer != nullptr && !lane.waiting.empty()) fix_pose(lane);
+  if (lane.has_open_pose()) fix_pose(lane);
   counts_.dropped += lane.waiting.size();
   lane.waiting.clear();
   lane.last_arrival_s = -std::numeric_limits<double>::infinity();
@@ -135,7 +135,7 @@ bool Follower::move(const OdometryStep& step) {
   ++counts_.odometry_rows;
   if (lane->tracker == nullptr) return true;  // of no use to the method
   if (!lane->row_s) {                         // the anchor: what it says is no motion
-    if (lane->localizer != nullptr && !lane->waiting.empty()) fix_pose(*lane);
+    if (lane->has_open_pose()) fix_pose(*lane);
     lane->row_s = lane->now_s = step.time_s;
     return true;
   }
@@ -146,14 +146,12 @@ bool Follower::move(const OdometryStep& step) {
 
 void Follower::flush() {
   for (Lane& lane : lanes_)
-    if (!lane.row_s && lane.localizer != nullptr && !lane.waiting.empty()) fix_pose(lane);
+    if (lane.has_open_pose()) fix_pose(lane);
 }
 
 void Follower::flush_pings() {
   for (Lane& lane : lanes_)
-    if (!lane.row_s && lane.localizer != nullptr && !lane.waiting.empty() &&
-        lane.waiting.back().epoch == kNoEpoch)
-      fix_pose(lane);
+    if (lane.has_open_pose() && lane.waiting.back().epoch == kNoEpoch) fix_pose(lane);
 }
 
 void Follower::carry_on(const Follower& before) {
@@ -178,15 +176,8 @@ void Follower::fix_pose(Lane& lane) {
   lane.localizer->locate(Observations{lane.waiting, {}}, fix_);
   if (fix_.rejections.empty())
     fix_.time_s = lane.waiting.front().time_s;  // nothing to fix: no instant either
-  fix_.vehicle = lane.waiting.front().vehicle;
-  fix_.epoch = lane.waiting.front().epoch;
   report_fix(lane.waiting);
-  std::optional<WatchAlarm> alarm;
-  if (watch_ && fix_.ok()) alarm = watch_->observe_epoch(lane.waiting, fix_);
-  if (alarm) {
-    ++counts_.alarms;
-    if (on_alarm) on_alarm(*alarm);
-  }
+  if (watch_ && fix_.ok()) report_alarm(watch_->observe_epoch(lane.waiting, fix_));
   lane.waiting.clear();
 }
 
@@ -215,18 +206,21 @@ void Follower::track_until(Lane& lane, const OdometryStep& step, double span_s) 
 void Follower::track_instant(Lane& lane, std::span<const Arrival> arrivals) {
   if (watch_ && lane.tracker->is_placed())
     for (const Arrival& a : arrivals)
-      if (const auto alarm = watch_->observe_arrival(a, lane.tracker->pose(), lane.tracker->covariance())) {
-        ++counts_.alarms;
-        if (on_alarm) on_alarm(*alarm);
-      }
+      report_alarm(watch_->observe_arrival(a, lane.tracker->pose(), lane.tracker->covariance()));
   lane.tracker->locate(Observations{arrivals, {}}, fix_);
   fix_.time_s = arrivals.front().time_s;
-  fix_.vehicle = arrivals.front().vehicle;
-  fix_.epoch = arrivals.front().epoch;
   report_fix(arrivals);
 }
 
+void Follower::report_alarm(const std::optional<WatchAlarm>& alarm) {
+  if (!alarm) return;
+  ++counts_.alarms;
+  if (on_alarm) on_alarm(*alarm);
+}
+
 void Follower::report_fix(std::span<const Arrival> arrivals) {
+  fix_.vehicle = arrivals.front().vehicle;
+  fix_.epoch = arrivals.front().epoch;
   ++(fix_.ok() ? counts_.fixes : counts_.no_fix);
   const auto used = static_cast<std::size_t>(std::max(fix_.ok() ? fix_.arrivals_used : 0, 0));
   counts_.used += std::min(used, arrivals.size());

@@ -90,6 +90,8 @@ class Follower {
     Behind arrivals_behind, odometry_behind;
     std::unique_ptr<DriveTracker> tracker;
     std::unique_ptr<Localizer> localizer;
+    /// Whether arrivals wait for the rest of their pose, and not for odometry.
+    [[nodiscard]] bool has_open_pose() const { return !row_s && localizer != nullptr && !waiting.empty(); }
   };
   [[nodiscard]] Lane* lane_of(VehicleId vehicle);
   [[nodiscard]] bool may_track() const;
@@ -100,6 +102,7 @@ class Follower {
   void track_until(Lane& lane, const OdometryStep& step, double span_s);
   void track_instant(Lane& lane, std::span<const Arrival> arrivals);
   void report_fix(std::span<const Arrival> arrivals);
+  void report_alarm(const std::optional<WatchAlarm>& alarm);
 
   Deployment deployment_;
   FollowOptions options_;

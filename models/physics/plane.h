@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Core>
@@ -21,8 +22,22 @@ namespace octant {
   return {a.dot(b), cross(a, b)};
 }
 
+/// Unit vector at an angle from the x axis.
+[[nodiscard]] inline Eigen::Vector2d direction_of(double angle_rad) {
+  return {std::cos(angle_rad), std::sin(angle_rad)};
+}
+
 /// From the x axis, counter-clockwise, in (-pi, pi].
 [[nodiscard]] inline double angle_of(const Eigen::Vector2d& v) { return std::atan2(v.y(), v.x()); }
+
+/// Distance of a point from a line segment, whose ends may be one point.
+[[nodiscard]] inline double distance_from_segment(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                                                  const Eigen::Vector2d& point) {
+  const Eigen::Vector2d along = to - from;
+  const double squared = along.squaredNorm();
+  const double share = squared > 0.0 ? std::clamp((point - from).dot(along) / squared, 0.0, 1.0) : 0.0;
+  return (point - from - share * along).norm();
+}
 
 [[nodiscard]] inline double square(double x) { return x * x; }
 

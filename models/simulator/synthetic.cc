@@ -21,8 +21,6 @@ constexpr double kFiringPhase =
 constexpr double kAudible =
     1.05;  // a crossing at the very threshold would come infinitely late; real pulses end before
 
-double to_microsecond(double time_s) { return std::round(time_s * 1e6) / 1e6; }
-
 /// The nearest whole number of quanta. Divides where it can, so that the result prints as the decimal that
 /// people expect.
 double counted(double tof_s, double quantum_s) {
@@ -271,7 +269,6 @@ void Recorder::record_drive() {
 MeasurementLog Recorder::record(std::vector<double>& lateness_s, Random sensor_draws) {
   log_.vehicle = VehicleId(std::size_t{0});
   log_.pose_accuracy = scenario_.pose_accuracy;
-  log_.truth_accuracy = {.position_sigma_m = 0.0, .heading_sigma_rad = 0.0, .attitude_sigma_rad = 0.0};
   log_.odometry_accuracy = scenario_.odometry_accuracy;
   if (path_.moving) {
     record_drive();

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "models/physics/pose.h"
@@ -9,6 +10,9 @@
 #include "models/simulator/synthetic.h"
 
 namespace octant {
+
+/// As clocks of recordings tell it.
+[[nodiscard]] inline double to_microsecond(double time_s) { return std::round(time_s * 1e6) / 1e6; }
 
 /// Where the simulated vehicle truly is: at rest, one pose an epoch, or under way, sampled finely.
 struct TruePath {

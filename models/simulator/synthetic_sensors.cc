@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "models/physics/measurement.h"
+#include "models/physics/plane.h"
+#include "models/simulator/synthetic_path.h"
 
 namespace octant {
 namespace {
-
-double sensor_time_s(double time_s) { return std::round(time_s * 1e6) / 1e6; }
 
 /// When a sensor works: once at the start of each stop, or every period of a drive.
 struct Instant {
@@ -22,11 +22,12 @@ struct Instant {
 std::vector<Instant> instants(const Scenario::Path& spec, const TruePath& path, double period_s) {
   std::vector<Instant> all;
   if (!path.moving) {
-    for (int k = 0; k < spec.epochs; ++k) all.push_back({sensor_time_s(path.start_s + k * path.period_s), k});
+    for (int k = 0; k < spec.epochs; ++k)
+      all.push_back({to_microsecond(path.start_s + k * path.period_s), k});
     return all;
   }
   for (int i = 0; path.start_s + i * period_s <= path.end_s() - spec.odometry_period_s; ++i)
-    all.push_back({sensor_time_s(path.start_s + i * period_s), kNoEpoch});
+    all.push_back({to_microsecond(path.start_s + i * period_s), kNoEpoch});
   return all;
 }
 
@@ -56,9 +57,6 @@ void record_bearings(const Scenario& scenario, const std::vector<Instant>& times
 /// Distance along a ray to the nearest wall; infinite if there is none.
 double range_to_wall(const Scenario& scenario, const Eigen::Vector2d& from,
                      const Eigen::Vector2d& direction) {
-  const auto cross = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-    return a.x() * b.y() - a.y() * b.x();
-  };
   double nearest = std::numeric_limits<double>::infinity();
   for (const auto& [x1, y1, x2, y2] : scenario.walls_m) {
     const Eigen::Vector2d along(x2 - x1, y2 - y1), to = Eigen::Vector2d(x1, y1) - from;
@@ -81,8 +79,7 @@ void record_scans(const Scenario& scenario, const std::vector<Instant>& times, c
               .range_m = {}};
     for (int k = 0; k < spec.beams; ++k) {
       const double angle = T.heading_rad() + spec.angle_min_rad + k * spec.angle_increment_rad;
-      const double range =
-          range_to_wall(scenario, T.translation_m.head<2>(), {std::cos(angle), std::sin(angle)});
+      const double range = range_to_wall(scenario, T.translation_m.head<2>(), direction_of(angle));
       const double measured = range + scenario.site.noise.range_sigma_m * draws.normal();
       const bool is_seen = range < spec.range_max_m && measured > 0;
       // Millimetres, as scanners report them.
@@ -91,10 +88,6 @@ void record_scans(const Scenario& scenario, const std::vector<Instant>& times, c
     }
     log.scans.push_back(std::move(scan));
   }
-}
-
-tl::unexpected<Error> sensor_contradiction(std::string found, std::string expected) {
-  return fail({.code = Errc::kBadInput, .found = std::move(found), .expected = std::move(expected)});
 }
 
 }  // namespace
@@ -111,25 +104,23 @@ Result<void> check_sensors(const Scenario& scenario) {
   if (scenario.bearings) {
     const Scenario::Bearings& b = *scenario.bearings;
     if (!(b.range_m > 0 && b.period_s > 0))
-      return sensor_contradiction("bearings: range_m or period_s is not positive", "numbers above zero");
+      return bad_input("bearings: range_m or period_s is not positive", "numbers above zero");
     if (!(b.unlabelled_fraction >= 0 && b.unlabelled_fraction <= 1))
-      return sensor_contradiction("bearings.unlabelled_fraction out of range", "0 <= fraction <= 1");
+      return bad_input("bearings.unlabelled_fraction out of range", "0 <= fraction <= 1");
     if (scenario.site.beacons.empty())
-      return sensor_contradiction("bearings without reflectors",
-                                  "beacons in the site, which are the reflectors");
+      return bad_input("bearings without reflectors", "beacons in the site, which are the reflectors");
   }
   if (scenario.scans) {
     const Scenario::Scans& s = *scenario.scans;
     if (!(s.period_s > 0 && s.range_max_m > 0 && s.beams > 0))
-      return sensor_contradiction("scans: period_s, range_max_m or beams is not positive",
-                                  "numbers above zero");
-    if (scenario.walls_m.empty()) return sensor_contradiction("scans without walls_m", "walls to be seen");
+      return bad_input("scans: period_s, range_max_m or beams is not positive", "numbers above zero");
+    if (scenario.walls_m.empty()) return bad_input("scans without walls_m", "walls to be seen");
   }
   for (const auto& [x1, y1, x2, y2] : scenario.walls_m)
     if (x1 == x2 && y1 == y2)
-      return sensor_contradiction("walls_m: a wall without length", "[x1, y1, x2, y2], two distinct ends");
+      return bad_input("walls_m: a wall without length", "[x1, y1, x2, y2], two distinct ends");
   if ((scenario.bearings || scenario.scans) && scenario.site.motion != Motion::kPlanar)
-    return sensor_contradiction("bearings or scans with spatial motion", "motion: planar");
+    return bad_input("bearings or scans with spatial motion", "motion: planar");
   return {};
 }
 

@@ -10,45 +10,39 @@
 namespace octant {
 namespace {
 
-tl::unexpected<Error> contradiction(std::string found, std::string expected) {
-  return fail({.code = Errc::kBadInput, .found = std::move(found), .expected = std::move(expected)});
-}
-
 Result<void> check_path(const Scenario& scenario, const Scenario::Path& path, const std::string& key) {
   if (!(path.slot_s > 0 && path.epoch_period_s > 0))
-    return contradiction(key + ": a period is not positive", "seconds above zero");
+    return bad_input(key + ": a period is not positive", "seconds above zero");
   for (std::size_t i = 1; i < path.waypoints_m.size(); ++i) {
     if (path.waypoints_m[i] == path.waypoints_m[i - 1]) {
-      return contradiction(key + ".waypoints_m: number " + std::to_string(i + 1) + " repeats the one before",
-                           "distinct points");
+      return bad_input(key + ".waypoints_m: number " + std::to_string(i + 1) + " repeats the one before",
+                       "distinct points");
     }
   }
   if (path.kind == PathKind::kDrive) {
     if (scenario.site.timing.clock == Clock::kCycleOffset) {
-      return contradiction(key + ": a drive has no epochs",
-                           "kind stops or waypoints with clock cycle_offset");
+      return bad_input(key + ": a drive has no epochs", "kind stops or waypoints with clock cycle_offset");
     }
     if (!(path.speed_mps > 0 && path.turn_rate_rad_per_s > 0 && path.odometry_period_s > 0 &&
           path.duration_s > path.slot_s)) {
-      return contradiction(key + ": the drive does not move",
-                           "positive duration_s, speed_mps, turn_rate_rad_per_s, odometry_period_s");
+      return bad_input(key + ": the drive does not move",
+                       "positive duration_s, speed_mps, turn_rate_rad_per_s, odometry_period_s");
     }
     if (path.waypoints_m.size() == 1)
-      return contradiction(key + ".waypoints_m: one point", "none, or two or more");
+      return bad_input(key + ".waypoints_m: one point", "none, or two or more");
     return {};
   }
   if (path.epochs < 1 || path.rounds < 1)
-    return contradiction(key + ": no epochs", "epochs and rounds of at least 1");
+    return bad_input(key + ": no epochs", "epochs and rounds of at least 1");
   if (path.kind == PathKind::kWaypoints && path.waypoints_m.size() < 2) {
-    return contradiction(key + ": kind waypoints without waypoints_m", "two points or more");
+    return bad_input(key + ": kind waypoints without waypoints_m", "two points or more");
   }
   if (path.kind == PathKind::kStations && path.stations.empty()) {
-    return contradiction(key + ": kind stations without stations", "[x_m, y_m, heading_rad] of at least one");
+    return bad_input(key + ": kind stations without stations", "[x_m, y_m, heading_rad] of at least one");
   }
   if (dwell_s(scenario, path) >= path.epoch_period_s) {
-    return contradiction(
-        key + ": arrivals of an epoch last " + std::to_string(dwell_s(scenario, path)) + " s",
-        "a longer epoch_period_s than that");
+    return bad_input(key + ": arrivals of an epoch last " + std::to_string(dwell_s(scenario, path)) + " s",
+                     "a longer epoch_period_s than that");
   }
   return {};
 }
@@ -81,30 +75,29 @@ double dwell_s(const Scenario& scenario, const Scenario::Path& path) {
 Result<void> check_scenario(const Scenario& scenario) {
   const Site& site = scenario.site;
   if (site.vehicles.empty() || site.vehicles[0].receiver_count == 0)
-    return contradiction("site: no vehicle with receivers", "one");
+    return bad_input("site: no vehicle with receivers", "one");
   for (const SiteBeacon& beacon : site.beacons) {
     if (!beacon.position_m[0] || !beacon.position_m[1] || !beacon.position_m[2]) {
-      return contradiction("beacon '" + beacon.name + "' has no position",
-                           "its true position, with sigma_m null if people do not know it");
+      return bad_input("beacon '" + beacon.name + "' has no position",
+                       "its true position, with sigma_m null if people do not know it");
     }
   }
   if (scenario.log_amplitude && !site.attenuation) {
-    return contradiction("log_amplitude without a model of the amplitude",
-                         "an attenuation block in the site");
+    return bad_input("log_amplitude without a model of the amplitude", "an attenuation block in the site");
   }
   if (scenario.warming_degC != 0 && site.medium.model == MediumModel::kConstant) {
-    return contradiction("warming_degC in a medium of constant speed",
-                         "medium.model cramer1993 or linear_temperature");
+    return bad_input("warming_degC in a medium of constant speed",
+                     "medium.model cramer1993 or linear_temperature");
   }
   if (!(scenario.echo_fraction >= 0 && scenario.echo_fraction < 1 && scenario.early_fraction >= 0 &&
         scenario.early_fraction < 1)) {
-    return contradiction("echo_fraction or early_fraction out of range", "0 <= fraction < 1");
+    return bad_input("echo_fraction or early_fraction out of range", "0 <= fraction < 1");
   }
   if (!(scenario.echo_delay_s[0] > 0 && scenario.echo_delay_s[1] >= scenario.echo_delay_s[0])) {
-    return contradiction("echo_delay_s is not an interval above zero", "[shortest, longest]");
+    return bad_input("echo_delay_s is not an interval above zero", "[shortest, longest]");
   }
   if (!(scenario.hall_m[0] > 0 && scenario.hall_m[1] > 0 && scenario.range_m > 0)) {
-    return contradiction("hall_m or range_m is not positive", "metres above zero");
+    return bad_input("hall_m or range_m is not positive", "metres above zero");
   }
   if (auto sound = check_sensors(scenario); !sound) return sound;
   if (auto sound = check_path(scenario, scenario.path, "path"); !sound) return sound;

@@ -40,4 +40,9 @@ using Result = tl::expected<T, Error>;
   return tl::unexpected<Error>(std::move(error));
 }
 
+/// What does not follow its format or does not fit, without a file.
+[[nodiscard]] inline tl::unexpected<Error> bad_input(std::string found, std::string expected) {
+  return fail({.code = Errc::kBadInput, .found = std::move(found), .expected = std::move(expected)});
+}
+
 }  // namespace octant

@@ -301,53 +301,30 @@ void build_chain_system(const Trajectory& t, const Segment& segment, const Share
   });
 }
 
-/// Residual of an arrival's time of flight and, where it was logged, of its amplitude; no derivatives.
-int arrival_residuals(const Trajectory& t, const ArrivalObservation& a, const SharedState& state,
-                      double* residuals) {
-  const Pose interpolated = a.alpha == 0.0 ? Pose() : pose_at(t, a.node, a.alpha);
-  const Pose& T = a.alpha == 0.0 ? t.nodes[a.node].T_map_vehicle : interpolated;
-  if (state.has_plain_paths() && !a.two_way && !t.has_cycle_offset) {
-    // What most arrivals are, of which long logs have many: the first term of the measurement equation.
-    const double distance_m =
-        (T * state.receiver_p_vehicle_m[a.receiver.index()] - state.beacon_p_map_m[a.beacon.index()]).norm();
-    const double tof_s = distance_m / (a.model_speed_mps + state.speed_offset(t.run));
-    residuals[0] = (a.tof_s - (tof_s + state.delay_s(a.beacon, a.receiver))) / a.sigma_s;
-    return 1;
-  }
-  const PathOutput out = predict_arrival_value(path_at(t, a, state, T));
-  residuals[0] = (a.tof_s - out.tof_s) / a.sigma_s;
-  if (!(a.log_amplitude_sigma > 0) || !state.attenuation) return 1;
-  residuals[1] = (a.log_amplitude - out.log_amplitude) / a.log_amplitude_sigma;
-  return 2;
-}
-
 double chain_cost(const Trajectory& t, const Segment& segment, const SharedState& state,
                   const RobustLoss& loss) {
-  double cost = 0.0, residuals[2];
-  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
-    const ArrivalObservation& a = t.arrivals[i];
-    if (a.rejection != Rejection::kUsed) continue;
-    const int count = arrival_residuals(t, a, state, residuals);
-    for (int k = 0; k < count; ++k) static_cast<void>(loss.weigh(residuals[k], cost));
-  }
-  Segment others = segment;  // few beside the arrivals
-  others.first_arrival = others.last_arrival;
-  for_each_row(t, others, state,
+  double cost = 0.0;
+  for_each_row(t, segment, state,
                [&](const ObservationRow& row) { static_cast<void>(weigh(row, loss, cost)); });
   return cost;
 }
 
 double arrival_residual(const Trajectory& t, const ArrivalObservation& a, const SharedState& state) {
-  if (a.alpha != 0.0 && t.motion == Motion::kPlanar && !a.two_way && !t.has_cycle_offset &&
-      state.has_plain_paths()) {
+  const bool plain = state.has_plain_paths() && !a.two_way && !t.has_cycle_offset;
+  if (plain && a.alpha != 0.0 && t.motion == Motion::kPlanar) {
     ArrivalWhitening whitening(state.speed_offset(t.run));
     whitening.set(a);
     const PlanarNode from(t.nodes[a.node].T_map_vehicle), to(t.nodes[a.node + 1].T_map_vehicle);
     return PlanarArrival(a, PlanarInterval(from, to).at(a.alpha), state, whitening).residual;
   }
-  double residuals[2];
-  arrival_residuals(t, a, state, residuals);
-  return residuals[0];
+  const Pose T = pose_at(t, a.node, a.alpha);
+  if (!plain) return (a.tof_s - predict_arrival_value(path_at(t, a, state, T)).tof_s) / a.sigma_s;
+  // What most arrivals are, of which long logs have many: the first term of the measurement equation.
+  const double distance_m =
+      (T * state.receiver_p_vehicle_m[a.receiver.index()] - state.beacon_p_map_m[a.beacon.index()]).norm();
+  const double tof_s =
+      distance_m / (a.model_speed_mps + state.speed_offset(t.run)) + state.delay_s(a.beacon, a.receiver);
+  return (a.tof_s - tof_s) / a.sigma_s;
 }
 
 }  // namespace octant

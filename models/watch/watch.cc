@@ -244,6 +244,11 @@ void Watch::update(Member& member, double time_s) noexcept {
       cross[k] += share * s.information(k, 0);
     }
   }
+  advance_charts(member, score, information, cross, time_s);
+}
+
+void Watch::advance_charts(Member& member, const Signature& score, const Signature& information,
+                           const Signature& cross, double time_s) noexcept {
   for (int k = 0; k < kSignatures; ++k)
     for (std::size_t side = 0; side < 2; ++side)
       advance(charts_[member.first_chart + 2 * static_cast<std::size_t>(k) + side], score[k], information[k],
@@ -310,12 +315,8 @@ std::optional<WatchAlarm> Watch::observe_arrival(const Arrival& arrival, const P
   const double limit_m = limit_of(row, variance_m2);
   const double innovation_m = std::clamp(row.residual_m, -limit_m, limit_m);
   const auto weigh = [&](Member& member, const Signature& by_change) {
-    for (int k = 0; k < kSignatures; ++k)
-      for (std::size_t side = 0; side < 2; ++side)
-        advance(charts_[member.first_chart + 2 * static_cast<std::size_t>(k) + side],
-                by_change[k] * innovation_m / variance_m2, by_change[k] * by_change[k] / variance_m2,
-                by_change[k] / variance_m2, member.beta_m, arrival.time_s);
-    member.last_s = arrival.time_s;
+    advance_charts(member, innovation_m / variance_m2 * by_change, by_change.cwiseAbs2() / variance_m2,
+                   by_change / variance_m2, arrival.time_s);
   };
   weigh(beacons_[row.beacon.index()], row.by_beacon);
   weigh(receivers_[row.receiver.index()], row.by_receiver);

@@ -149,6 +149,9 @@ class Watch {
   [[nodiscard]] double limit_of(const Row& row, double variance_m2) const noexcept;
   void clip_and_gather() noexcept;
   void update(Member& member, double time_s) noexcept;
+  /// @param score, information, cross  of the member's changes; cross: with its lateness
+  void advance_charts(Member& member, const Signature& score, const Signature& information,
+                      const Signature& cross, double time_s) noexcept;
   void advance(Chart& chart, double score, double information, double cross, double beta_m,
                double time_s) noexcept;
   [[nodiscard]] std::optional<WatchAlarm> verdict(double time_s) noexcept;

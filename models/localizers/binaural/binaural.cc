@@ -17,11 +17,7 @@ namespace {
 constexpr double kRounding_m = 1e-9;  // of the geometry; stands in where the deployment states no noise
 constexpr int kSteps = 20;
 
-Eigen::Matrix2d rotation(double angle_rad) {
-  return (Eigen::Matrix2d() << std::cos(angle_rad), -std::sin(angle_rad), std::sin(angle_rad),
-          std::cos(angle_rad))
-      .finished();
-}
+Eigen::Matrix2d rotation(double angle_rad) { return Eigen::Rotation2Dd(angle_rad).toRotationMatrix(); }
 
 }  // namespace
 
@@ -39,7 +35,7 @@ std::optional<Eigen::Vector2d> intersect_circles(const Eigen::Vector2d& p1_m, do
   const double b = chord.norm();
   if (!(b > 1e-9)) return std::nullopt;
   const Eigen::Vector2d along = chord / b;
-  Eigen::Vector2d ahead(-along.y(), along.x());
+  Eigen::Vector2d ahead = left_of(along);
   if (ahead.dot(facing) < 0) ahead = -ahead;  // the other intersection lies behind the receivers
   const double x = (r1_m - r2_m) * (r1_m + r2_m) / (2 * b) + b / 2;
   const double y_squared = (r1_m - x) * (r1_m + x);
@@ -87,21 +83,16 @@ void Binaural::locate_known(const Observations& observations, Fix& fix) noexcept
   if (fix.ok()) fix.status = adjust(pose, fix);
   if (!fix.ok()) return;
   fix.T_map_vehicle = Pose::planar(pose.p_m.x(), pose.p_m.y(), pose.heading_rad);
-  for (const Rejection r : fix.rejections)
-    ++(r == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
+  count_rejections(fix);
 }
 
 /// Brings the arrivals to the four links, and the fix to its blank state.
 void Binaural::collect(const Observations& observations, Fix& fix) noexcept {
-  clear(fix);
+  begin_fix(observations.arrivals, fix);
   fix.covariance.setZero(3, 3);
   fix.vehicle = options_.vehicle;
   fix.rejections.assign(observations.arrivals.size(), Rejection::kNotNeeded);
   for (Link& link : links_) link.range_m = link.speed_mps = link.arrivals = 0;
-  if (!observations.arrivals.empty()) {
-    fix.time_s = observations.arrivals[observations.arrivals.size() / 2].time_s;
-    fix.epoch = observations.arrivals.front().epoch;
-  }
   if (!roles_) return;
   for (std::size_t i = 0; i < observations.arrivals.size(); ++i) {
     const Arrival& arrival = observations.arrivals[i];

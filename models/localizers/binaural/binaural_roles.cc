@@ -15,11 +15,6 @@ namespace {
 constexpr double kSameLength = 1e-3;  // two distances that differ by less tell nothing of who is what
 constexpr double kMinSine = 0.1;      // of the angle between the receivers' chord and where they look
 
-tl::unexpected<Error> roles_lack(std::string found, std::string expected) {
-  return fail(
-      {.code = Errc::kBadInput, .found = "binaural: " + std::move(found), .expected = std::move(expected)});
-}
-
 /// Indices of transmitter, left and right receiver among three points.
 Result<std::array<std::size_t, 3>> order(const std::array<Eigen::Vector2d, 3>& p,
                                          const Eigen::Vector2d& facing, const std::string& who) {
@@ -31,12 +26,12 @@ Result<std::array<std::size_t, 3>> order(const std::array<Eigen::Vector2d, 3>& p
   std::size_t left = (t + 1) % 3, right = (t + 2) % 3;
   for (const std::size_t i : {left, right}) {
     if (opposite_m[t] - opposite_m[i] < kSameLength)
-      return roles_lack(who + " has no two elements that stand farthest apart",
-                        "a transmitter between two receivers");
+      return bad_input("binaural: " + who + " has no two elements that stand farthest apart",
+                       "a transmitter between two receivers");
   }
   const double side = cross(facing, p[left] - p[right]) / opposite_m[t];
   if (std::abs(side) < kMinSine)
-    return roles_lack(who + "'s receivers stand behind each other", "receivers side by side");
+    return bad_input("binaural: " + who + "'s receivers stand behind each other", "receivers side by side");
   if (side < 0) std::swap(left, right);
   return std::array<std::size_t, 3>{t, left, right};
 }
@@ -44,20 +39,22 @@ Result<std::array<std::size_t, 3>> order(const std::array<Eigen::Vector2d, 3>& p
 }  // namespace
 
 Result<BinauralRoles> binaural_roles(const Deployment& deployment, const BinauralOptions& options) {
-  if (deployment.motion != Motion::kPlanar) return roles_lack("the motion is spatial", "planar motion");
+  if (deployment.motion != Motion::kPlanar)
+    return bad_input("binaural: the motion is spatial", "planar motion");
   if (deployment.timing.clock != Clock::kSynchronised || deployment.timing.ranging != Ranging::kOneWay)
-    return roles_lack("times of flight are not synchronised and one-way", "a radio mark of the firing");
+    return bad_input("binaural: times of flight are not synchronised and one-way",
+                     "a radio mark of the firing");
   std::vector<std::size_t> beacons, receivers;
   for (std::size_t b = 0; b < deployment.beacons.size(); ++b)
     if (deployment.beacons[b].status != BeaconStatus::kUndetermined) beacons.push_back(b);
   for (std::size_t r = 0; r < deployment.receivers.size(); ++r)
     if (deployment.receivers[r].vehicle == options.vehicle) receivers.push_back(r);
   if (beacons.size() != 3)
-    return roles_lack(std::to_string(beacons.size()) + " usable beacons",
-                      "three: robot 2's transmitter and its two receivers");
+    return bad_input("binaural: " + std::to_string(beacons.size()) + " usable beacons",
+                     "three: robot 2's transmitter and its two receivers");
   if (receivers.size() != 3)
-    return roles_lack(std::to_string(receivers.size()) + " receivers on the vehicle",
-                      "three: robot 1's transmitter and two receivers");
+    return bad_input("binaural: " + std::to_string(receivers.size()) + " receivers on the vehicle",
+                     "three: robot 1's transmitter and two receivers");
 
   BinauralRoles roles;
   std::array<Eigen::Vector2d, 3> p2, p1;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -28,6 +29,24 @@ inline void clear(Fix& fix) {
   rejections.clear();
   fix = Fix{};
   fix.rejections = std::move(rejections);
+}
+
+/// Sets instant (the middle row's), vehicle and epoch of a fix from the arrivals or bearings given, and all
+/// else as if nothing were known.
+template <class Row>
+void begin_fix(std::span<const Row> rows, Fix& fix) {
+  clear(fix);
+  if (rows.empty()) return;
+  fix.vehicle = rows.front().vehicle;
+  fix.epoch = rows.front().epoch;
+  fix.time_s = rows[rows.size() / 2].time_s;
+}
+
+/// Counts what a fix's rejections leave in use.
+inline void count_rejections(Fix& fix) {
+  fix.arrivals_used =
+      static_cast<int>(std::count(fix.rejections.begin(), fix.rejections.end(), Rejection::kUsed));
+  fix.arrivals_rejected = static_cast<int>(fix.rejections.size()) - fix.arrivals_used;
 }
 
 /// A way of finding a vehicle, constructed from a `Deployment`. All memory is taken at construction: a call

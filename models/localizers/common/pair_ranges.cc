@@ -117,23 +117,13 @@ void reject_pair(std::span<const Arrival> arrivals, const PairRange& pair, Rejec
   }
 }
 
-void begin_fix(std::span<const Arrival> arrivals, Fix& fix) {
-  clear(fix);
-  if (arrivals.empty()) return;
-  fix.vehicle = arrivals.front().vehicle;
-  fix.epoch = arrivals.front().epoch;
-  fix.time_s = arrivals[arrivals.size() / 2].time_s;
-}
-
 void end_fix(FixStatus status, Fix& fix) {
   fix.status = status;
   if (!fix.ok()) {
     fix.rejections.clear();
     return;
   }
-  fix.arrivals_used =
-      static_cast<int>(std::count(fix.rejections.begin(), fix.rejections.end(), Rejection::kUsed));
-  fix.arrivals_rejected = static_cast<int>(fix.rejections.size()) - fix.arrivals_used;
+  count_rejections(fix);
 }
 
 }  // namespace octant

@@ -68,10 +68,6 @@ class PairRanges {
 void reject_pair(std::span<const Arrival> arrivals, const PairRange& pair, Rejection reason,
                  std::span<Rejection> rejections);
 
-/// Sets instant (the middle arrival's), vehicle and epoch of a fix from the arrivals given, and all else as
-/// if nothing were known.
-void begin_fix(std::span<const Arrival> arrivals, Fix& fix);
-
 /// Closes a fix: counts of used and rejected arrivals; no rejections where there is no fix.
 void end_fix(FixStatus status, Fix& fix);
 

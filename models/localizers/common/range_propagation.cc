@@ -4,19 +4,23 @@
 
 #include <algorithm>
 
+#include "models/physics/plane.h"
+
 namespace octant {
 
 Sight sight_of(const Pose& T_map_vehicle, BeaconId beacon, ReceiverId receiver,
                const Deployment& deployment) {
-  const Eigen::Vector3d v = T_map_vehicle * deployment.receivers[receiver.index()].position_m -
-                            deployment.beacons[beacon.index()].position_m;
+  const Eigen::Vector3d lever = T_map_vehicle.rotation * deployment.receivers[receiver.index()].position_m;
+  const Eigen::Vector3d v =
+      T_map_vehicle.translation_m + lever - deployment.beacons[beacon.index()].position_m;
   Sight sight{.distance_m = v.norm()};
   if (sight.distance_m > 0) sight.direction = v / sight.distance_m;
+  const Eigen::Vector2d u = sight.direction.head<2>();
+  sight.by_pose << u, u.dot(left_of(lever.head<2>()));
   return sight;
 }
 
 double calibration_variance_m2(const PairRange& pair, const Deployment& deployment) {
-  const auto square = [](double x) { return x * x; };
   const DeploymentBeacon& beacon = deployment.beacons[pair.beacon.index()];
   const DeploymentReceiver& receiver = deployment.receivers[pair.receiver.index()];
   // The mean over directions: which it is, is not known yet.
@@ -53,7 +57,6 @@ void RangePropagation::add(const Eigen::Vector3d& gain, const PairRange& pair, c
 }
 
 Eigen::Matrix3d RangePropagation::covariance(const Deployment& deployment) const {
-  const auto square = [](double x) { return x * x; };
   Eigen::Matrix3d sum = noise_ + square(deployment.speed_sigma_mps) * by_speed_ * by_speed_.transpose();
   for (std::size_t i = 0; i < beacons_.size(); ++i) {
     if (!beacons_[i].touched) continue;

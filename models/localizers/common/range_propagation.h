@@ -43,11 +43,12 @@ class RangePropagation {
 /// gates [m^2].
 [[nodiscard]] double calibration_variance_m2(const PairRange& pair, const Deployment& deployment);
 
-/// Unit vector from a beacon to a receiver of a vehicle at a pose, in the map; +z where they coincide. And
-/// their distance [m].
+/// A beacon and a receiver of a vehicle at a pose.
 struct Sight {
+  /// Unit vector from the beacon to the receiver, in the map; +z where they coincide.
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
   double distance_m = 0.0;
+  Eigen::Vector3d by_pose = Eigen::Vector3d::Zero();  ///< the distance by x, y, heading
 };
 [[nodiscard]] Sight sight_of(const Pose& T_map_vehicle, BeaconId beacon, ReceiverId receiver,
                              const Deployment& deployment);

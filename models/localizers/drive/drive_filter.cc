@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/physics/plane.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant {
@@ -22,32 +23,18 @@ double calibration_variance_s2(const EpochFixModel& model, BeaconId beacon, cons
   return std::max(0.0, by.dot(model.beacon_covariance[beacon.index()] * by));
 }
 
-/// How the pose behind a step follows the one before it.
-Eigen::Matrix3d planar_by_step(const Pose& T, const Pose& step) {
-  const double heading = T.heading_rad(), c = std::cos(heading), s = std::sin(heading);
-  const double dx = step.translation_m.x(), dy = step.translation_m.y();
-  Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
-  F(0, 2) = -s * dx - c * dy;
-  F(1, 2) = c * dx - s * dy;
-  return F;
-}
-
-/// In space a turn dphi in the vehicle's frame moves the end of the step by -R [s]x dphi, and is one of
-/// Rs' dphi in the frame behind the step.
-Eigen::Matrix<double, 6, 6> spatial_by_step(const Pose& T, const Pose& step) {
-  Eigen::Matrix<double, 6, 6> F = Eigen::Matrix<double, 6, 6>::Identity();
-  F.topRightCorner<3, 3>() = -T.rotation.toRotationMatrix() * skew(step.translation_m);
-  F.bottomRightCorner<3, 3>() = step.rotation.toRotationMatrix().transpose();
-  return F;
-}
-
+/// How the pose behind a step follows the one before it. In space a turn dphi in the vehicle's frame moves
+/// the end of the step by -R [s]x dphi, and is one of Rs' dphi in the frame behind the step.
 template <int kDof>
 Eigen::Matrix<double, kDof, kDof> by_step(const Pose& T, const Pose& step) {
+  Eigen::Matrix<double, kDof, kDof> F = Eigen::Matrix<double, kDof, kDof>::Identity();
   if constexpr (kDof == 3) {
-    return planar_by_step(T, step);
+    F.template topRightCorner<2, 1>() = left_of((T.rotation * step.translation_m).head<2>());
   } else {
-    return spatial_by_step(T, step);
+    F.template topRightCorner<3, 3>() = -T.rotation.toRotationMatrix() * skew(step.translation_m);
+    F.template bottomRightCorner<3, 3>() = step.rotation.toRotationMatrix().transpose();
   }
+  return F;
 }
 
 }  // namespace

@@ -82,7 +82,6 @@ class DriveFilterOf {
 };
 
 using DriveFilter = DriveFilterOf<3>;
-using SpaceDriveFilter = DriveFilterOf<6>;
 extern template class DriveFilterOf<3>;
 extern template class DriveFilterOf<6>;
 

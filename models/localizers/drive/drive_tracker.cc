@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/localizers/common/arrival_rejections.h"
 #include "models/localizers/common/calibration_part.h"
 #include "models/localizers/common/trajectory_model.h"
 #include "models/localizers/drive/beacon_bank.h"
@@ -124,9 +125,7 @@ DriveTracker::CoreOf<kDof>::CoreOf(const Deployment& deployment, const OdometryA
 
 template <int kDof>
 void DriveTracker::CoreOf<kDof>::begin_window(double time_s) {
-  Node node;
-  node.time_s = time_s;
-  t_.nodes.assign(1, node);
+  t_.nodes.assign(1, {.time_s = time_s, .T_map_vehicle = {}});
   t_.odometry.clear();
   t_.arrivals.clear();
   t_.T_hear_send.clear();
@@ -140,8 +139,8 @@ void DriveTracker::CoreOf<kDof>::keep_recent_half() {
   const auto head = [](auto& list, auto until) { list.erase(list.begin(), until); };
   head(t_.nodes, t_.nodes.begin() + static_cast<std::ptrdiff_t>(drop));
   head(t_.odometry, t_.odometry.begin() + static_cast<std::ptrdiff_t>(drop));
-  head(t_.arrivals, std::partition_point(t_.arrivals.begin(), t_.arrivals.end(),
-                                         [drop](const ArrivalObservation& a) { return a.node < drop; }));
+  head(t_.arrivals, t_.arrivals.begin() +
+                        static_cast<std::ptrdiff_t>(first_of_node(t_.arrivals, drop, 0, t_.arrivals.size())));
   const std::int32_t first =
       t_.arrivals.empty() || t_.arrivals.front().hear_send < 0 ? 0 : t_.arrivals.front().hear_send;
   if (!t_.T_hear_send.empty()) head(t_.T_hear_send, t_.T_hear_send.begin() + first);
@@ -179,9 +178,7 @@ void DriveTracker::CoreOf<kDof>::move(const OdometryStep& step, double fraction)
     keep_recent_half();
   t_.odometry.push_back(o);
   t_.odometry.back().node = t_.nodes.size() - 1;
-  Node node;
-  node.time_s = t_.nodes.back().time_s + fraction * row_s_;
-  t_.nodes.push_back(node);
+  t_.nodes.push_back({.time_s = t_.nodes.back().time_s + fraction * row_s_, .T_map_vehicle = {}});
 }
 
 template <int kDof>
@@ -242,14 +239,11 @@ template <int kDof>
 void DriveTracker::CoreOf<kDof>::start_without(BeaconId beacon, Filter& filter) {
   const ScratchScope scope(scratch_);
   with_all_ = t_.nodes;
-  const auto mark = [&](Rejection from, Rejection to) {
-    for (ArrivalObservation& a : t_.arrivals)
-      if (a.beacon == beacon && a.rejection == from) a.rejection = to;
-  };
-  mark(Rejection::kUsed, Rejection::kBeaconFault);
-  refine_stretch(t_, window(), model_, options_.range_uncertainty_m);
+  const Segment all = window();
+  set_rejections(t_, all, beacon, Rejection::kUsed, Rejection::kBeaconFault);
+  refine_stretch(t_, all, model_, options_.range_uncertainty_m);
   start_at_end(filter);
-  mark(Rejection::kBeaconFault, Rejection::kUsed);
+  set_rejections(t_, all, beacon, Rejection::kBeaconFault, Rejection::kUsed);
   t_.nodes = with_all_;
 }
 
@@ -276,9 +270,7 @@ void DriveTracker::CoreOf<kDof>::locate(std::span<const Arrival> arrivals, Fix& 
       fix.rejections[i] =
           model_.beacon_usable[arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
   }
-  fix.arrivals_used =
-      static_cast<int>(std::count(fix.rejections.begin(), fix.rejections.end(), Rejection::kUsed));
-  fix.arrivals_rejected = static_cast<int>(fix.rejections.size()) - fix.arrivals_used;
+  count_rejections(fix);
   if (!placed_) return;
   fix.status = FixStatus::kOk;
   fix.protection_level_m = bank_.protection_level_m(filter_);

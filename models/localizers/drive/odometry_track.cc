@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "models/physics/plane.h"
 #include "models/trajectory/odometry_noise.h"
 
 namespace octant {
@@ -20,31 +21,19 @@ Pose advance(const Pose& T_map_vehicle, const BodySpeed& body, double period_s) 
                       heading);
 }
 
-void advance(OdometryState& state, const OdometryStep& step, const OdometryAccuracy& accuracy,
-             double fraction) {
-  const double dx = fraction * step.dx_m, dy = fraction * step.dy_m, turn = fraction * step.dheading_rad;
-  const double c = std::cos(state.heading_rad), s = std::sin(state.heading_rad);
-  const Eigen::Vector2d move(c * dx - s * dy, s * dx + c * dy);
+Eigen::Matrix3d advance(OdometryState& state, const OdometryStep& step, const OdometryAccuracy& accuracy,
+                        double fraction) {
+  const Eigen::Vector2d move =
+      Eigen::Rotation2Dd(state.heading_rad) * Eigen::Vector2d(fraction * step.dx_m, fraction * step.dy_m);
   Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
-  F(0, 2) = -move.y();
-  F(1, 2) = move.x();
+  F.topRightCorner<2, 1>() = left_of(move);
   const OdometryVariance variance = variance_of(step, accuracy);
   state.covariance = F * state.covariance * F.transpose();
   state.covariance.diagonal() +=
       fraction * Eigen::Vector3d(variance.distance_m2, variance.distance_m2, variance.heading_rad2);
   state.p_map_m += move;
-  state.heading_rad = wrap_angle(state.heading_rad + turn);
-}
-
-std::vector<TimedPose> odometry_track(std::span<const OdometryStep> steps, const Pose& T_map_anchor) {
-  std::vector<TimedPose> track;
-  track.reserve(steps.size());
-  Pose T = T_map_anchor;
-  for (const OdometryStep& step : steps) {
-    if (!track.empty()) T = T * Pose::planar(step.dx_m, step.dy_m, step.dheading_rad);
-    track.push_back({step.time_s, T});
-  }
-  return track;
+  state.heading_rad = wrap_angle(state.heading_rad + fraction * step.dheading_rad);
+  return F;
 }
 
 }  // namespace octant

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <span>
-#include <vector>
 
 #include <Eigen/Core>
 
@@ -34,10 +33,17 @@ struct OdometryState {
   [[nodiscard]] Pose pose() const { return Pose::planar(p_map_m.x(), p_map_m.y(), heading_rad); }
 };
 
+/// How far a is off b: x, y, heading.
+[[nodiscard]] inline Eigen::Vector3d difference(const OdometryState& a, const OdometryState& b) {
+  return {a.p_map_m.x() - b.p_map_m.x(), a.p_map_m.y() - b.p_map_m.y(),
+          wrap_angle(a.heading_rad - b.heading_rad)};
+}
+
 /// Moves on by a fraction (0 to 1) of an odometry row; noise as `OdometryAccuracy` says, its variance in
 /// proportion.
-void advance(OdometryState& state, const OdometryStep& step, const OdometryAccuracy& accuracy,
-             double fraction = 1.0);
+/// @return how the state then follows the one before
+Eigen::Matrix3d advance(OdometryState& state, const OdometryStep& step, const OdometryAccuracy& accuracy,
+                        double fraction = 1.0);
 
 /// Odometry rows of a vehicle from an instant on, given out up to ever later ones.
 class OdometryCursor {
@@ -64,9 +70,5 @@ class OdometryCursor {
   double now_s_;
   std::size_t next_ = 0;
 };
-
-/// Poses at all rows from the anchor's pose on: odometry alone.
-[[nodiscard]] std::vector<TimedPose> odometry_track(std::span<const OdometryStep> steps,
-                                                    const Pose& T_map_anchor);
 
 }  // namespace octant

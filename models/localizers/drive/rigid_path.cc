@@ -13,28 +13,19 @@ RigidPath rigid_path(const Trajectory& t, const Segment& window, std::size_t anc
   const std::size_t n = window.last_node - window.first_node, a = anchor - window.first_node;
   path.T_anchor_node.resize(n);
   path.drift_m.assign(n, 0.0);
-  const auto& steps = t.odometry;
-  const auto drift = [&](std::size_t k, double distance_variance, double heading_variance) {
+  double distance_m2 = 0.0, heading_rad2 = 0.0;
+  const auto extend = [&](std::size_t from, std::size_t to, const OdometryObservation& o) {
+    path.T_anchor_node[to] =
+        path.T_anchor_node[from] * (to > from ? o.T_before_after : o.T_before_after.inverse());
+    distance_m2 += o.distance_sigma_m * o.distance_sigma_m;
+    heading_rad2 += o.heading_sigma_rad * o.heading_sigma_rad;
     // A heading error made half-way counts over what remains: a third of its square in the mean.
-    return std::sqrt(distance_variance +
-                     heading_variance * path.T_anchor_node[k].translation_m.squaredNorm() / 3);
+    path.drift_m[to] =
+        std::sqrt(distance_m2 + heading_rad2 * path.T_anchor_node[to].translation_m.squaredNorm() / 3);
   };
-  double distance = 0.0, heading = 0.0;
-  for (std::size_t k = a + 1; k < n; ++k) {
-    const OdometryObservation& o = steps[window.first_odometry + k - 1];
-    path.T_anchor_node[k] = path.T_anchor_node[k - 1] * o.T_before_after;
-    distance += o.distance_sigma_m * o.distance_sigma_m;
-    heading += o.heading_sigma_rad * o.heading_sigma_rad;
-    path.drift_m[k] = drift(k, distance, heading);
-  }
-  distance = heading = 0.0;
-  for (std::size_t k = a; k-- > 0;) {
-    const OdometryObservation& o = steps[window.first_odometry + k];
-    path.T_anchor_node[k] = path.T_anchor_node[k + 1] * o.T_before_after.inverse();
-    distance += o.distance_sigma_m * o.distance_sigma_m;
-    heading += o.heading_sigma_rad * o.heading_sigma_rad;
-    path.drift_m[k] = drift(k, distance, heading);
-  }
+  for (std::size_t k = a + 1; k < n; ++k) extend(k - 1, k, t.odometry[window.first_odometry + k - 1]);
+  distance_m2 = heading_rad2 = 0.0;
+  for (std::size_t k = a; k-- > 0;) extend(k + 1, k, t.odometry[window.first_odometry + k]);
   return path;
 }
 

@@ -32,9 +32,14 @@ constexpr int kSegmentOutlierRounds = 5;
 /// Steps that gain less than this share of the cost are the last: before arrivals are marked, and after.
 constexpr double kNearlyConverged = 1e-5, kConverged = 1e-10;
 
-/// Part of an odometry step between two of its instants.
-Pose subsample_of(const Pose& step, double from, double to) {
-  return interpolate(Pose{}, step, from).inverse() * interpolate(Pose{}, step, to);
+/// Moves a filter along an odometry step from one of its instants to another, either way.
+template <class Filter>
+void move_along(const OdometryObservation& step, double to, double& at, Filter& filter) {
+  if (to == at) return;
+  const Pose part =
+      interpolate(Pose{}, step.T_before_after, at).inverse() * interpolate(Pose{}, step.T_before_after, to);
+  filter.predict(part, step, std::abs(to - at));
+  at = to;
 }
 
 /// Forward from a node to the segment's end, or until lost; returns the node reached.
@@ -43,16 +48,12 @@ std::size_t run_forward(Trajectory& t, const Segment& segment, Filter& filter, s
   std::size_t next = first_of_node(t.arrivals, node, segment.first_arrival, segment.last_arrival);
   for (; node + 1 < segment.last_node; ++node) {
     const OdometryObservation& step = t.odometry[segment.first_odometry + node - segment.first_node];
-    double done = 0.0;
-    while (next < segment.last_arrival && t.arrivals[next].node == node) {
-      const double alpha = t.arrivals[next].alpha;
-      filter.predict(subsample_of(step.T_before_after, done, alpha), step, alpha - done);
-      done = alpha;
-      for (; next < segment.last_arrival && t.arrivals[next].node == node && t.arrivals[next].alpha == alpha;
-           ++next)
-        t.arrivals[next].rejection = filter.update(t, t.arrivals[next]);
+    double at = 0.0;
+    for (; next < segment.last_arrival && t.arrivals[next].node == node; ++next) {
+      move_along(step, t.arrivals[next].alpha, at, filter);
+      t.arrivals[next].rejection = filter.update(t, t.arrivals[next]);
     }
-    filter.predict(subsample_of(step.T_before_after, done, 1.0), step, 1.0 - done);
+    move_along(step, 1.0, at, filter);
     t.nodes[node + 1].T_map_vehicle = filter.pose();
     t.nodes[node + 1].placed = true;
     if (filter.is_lost()) return node + 1;
@@ -66,14 +67,12 @@ void run_backward(Trajectory& t, const Segment& segment, Filter& filter, std::si
   std::size_t next = first_of_node(t.arrivals, node, segment.first_arrival, segment.last_arrival);
   for (; node > segment.first_node; --node) {
     const OdometryObservation& step = t.odometry[segment.first_odometry + node - 1 - segment.first_node];
-    double done = 1.0;
-    while (next > segment.first_arrival && t.arrivals[next - 1].node == node - 1) {
-      const ArrivalObservation& a = t.arrivals[--next];
-      filter.predict(subsample_of(step.T_before_after, done, a.alpha), step, done - a.alpha);
-      done = a.alpha;
-      static_cast<void>(filter.update(t, a));
+    double at = 1.0;
+    for (; next > segment.first_arrival && t.arrivals[next - 1].node == node - 1; --next) {
+      move_along(step, t.arrivals[next - 1].alpha, at, filter);
+      static_cast<void>(filter.update(t, t.arrivals[next - 1]));
     }
-    filter.predict(subsample_of(step.T_before_after, done, 0.0), step, done);
+    move_along(step, 0.0, at, filter);
     t.nodes[node - 1].T_map_vehicle = filter.pose();
     t.nodes[node - 1].placed = true;
   }

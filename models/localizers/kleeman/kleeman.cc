@@ -12,27 +12,22 @@ namespace {
 
 constexpr double kConverged_m = 1e-5, kConverged_rad = 1e-5;  // well below what is ever known
 
-Error lacks(std::string found, std::string expected) {
-  return {.code = Errc::kBadInput, .found = std::move(found), .expected = std::move(expected)};
-}
-
 }  // namespace
 
 Result<void> kleeman_fits(const Deployment& d) {
   if (d.motion != Motion::kPlanar)
-    return fail(lacks("kleeman: the deployment's motion is spatial", "planar motion"));
+    return bad_input("kleeman: the deployment's motion is spatial", "planar motion");
   if (d.timing.ranging != Ranging::kOneWay)
-    return fail(lacks("kleeman: the deployment's ranging is two_way", "one_way"));
+    return bad_input("kleeman: the deployment's ranging is two_way", "one_way");
   if (d.beacons.size() > kKleemanBeacons)
-    return fail(
-        lacks("kleeman: the deployment has " + std::to_string(d.beacons.size()) + " beacons", "16 at most"));
+    return bad_input("kleeman: the deployment has " + std::to_string(d.beacons.size()) + " beacons",
+                     "16 at most");
   const std::size_t usable = usable_beacons(d);
   if (usable < 3)
-    return fail(lacks(
-        std::string("kleeman: the deployment has ").append(std::to_string(usable)).append(" usable beacons"),
-        "3 or more"));
+    return bad_input("kleeman: the deployment has " + std::to_string(usable) + " usable beacons",
+                     "3 or more");
   if (d.receivers.empty() || d.vehicles.empty())
-    return fail(lacks("kleeman: the deployment has no receiver", "a vehicle with one"));
+    return bad_input("kleeman: the deployment has no receiver", "a vehicle with one");
   return {};
 }
 

@@ -34,27 +34,25 @@ struct HeadingNormal {
 class Differences {
  public:
   void add(double residual, double sigma, double by_heading, const Eigen::RowVector2d& by_position) {
+    const Eigen::Vector4d row(residual, by_heading, by_position.x(), by_position.y());
     const double weight = 1 / (sigma * sigma);
-    w_ += weight;
-    r_ += weight * residual;
-    j_ += weight * by_heading;
-    k_ += weight * by_position;
-    rr_ += weight * residual * residual;
-    rj_ += weight * residual * by_heading;
-    jj_ += weight * by_heading * by_heading;
-    jk_ += weight * by_heading * by_position;
+    weights_ += weight;
+    sum_ += weight * row;
+    products_ += weight * row * row.transpose();
   }
-  void add_to(HeadingNormal& sum) const {
-    if (!(w_ > 0)) return;
-    sum.chi2 += rr_ - r_ * r_ / w_;
-    sum.gradient += rj_ - r_ * j_ / w_;
-    sum.information += jj_ - j_ * j_ / w_;
-    sum.coupling += jk_ - j_ * k_ / w_;
+  void add_to(HeadingNormal& normal) const {
+    if (!(weights_ > 0)) return;
+    const Eigen::Matrix4d centred = products_ - sum_ * sum_.transpose() / weights_;
+    normal.chi2 += centred(0, 0);
+    normal.gradient += centred(0, 1);
+    normal.information += centred(1, 1);
+    normal.coupling += centred.block<1, 2>(1, 2);
   }
 
  private:
-  double w_ = 0.0, r_ = 0.0, j_ = 0.0, rr_ = 0.0, rj_ = 0.0, jj_ = 0.0;
-  Eigen::RowVector2d k_ = Eigen::RowVector2d::Zero(), jk_ = Eigen::RowVector2d::Zero();
+  double weights_ = 0.0;
+  Eigen::Vector4d sum_ = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d products_ = Eigen::Matrix4d::Zero();
 };
 
 HeadingNormal normal_equation(const HeadingInput& in, double heading_rad) {
@@ -114,7 +112,7 @@ HeardFrom heard_from(const HeadingInput& in, std::size_t beacon) {
 
 /// Headings that one beacon allows.
 struct Sector {
-  double from_rad = 0.0, to_rad = 0.0;
+  double middle_rad = 0.0, half_rad = 0.0;
   Eigen::RowVector2d by_position = Eigen::RowVector2d::Zero();  // of either end
 };
 
@@ -185,7 +183,8 @@ std::optional<Sector> sector_of(const HeadingInput& in, std::size_t beacon) {
   // the other that does not.
   OffAxisBounds off{(hears_left + deaf_right) / 2, (hears_right + deaf_left) / 2};
   narrow_by_loudness(in, beacon, heard.axis, off);
-  return Sector{mean_rad - off.most_rad, mean_rad - off.least_rad, heard.by_position};
+  return Sector{mean_rad - (off.most_rad + off.least_rad) / 2, (off.most_rad - off.least_rad) / 2,
+                heard.by_position};
 }
 
 /// Sectors on a line of headings, that begins and ends opposite to where most of them overlap.
@@ -215,10 +214,9 @@ double SectorOverlap::deepest_rad() const {
   int most = 0;
   double deepest_rad = 0.0;
   for (std::size_t i = 0; i < count_; ++i) {
-    const double at_rad = sectors_[i].from_rad;
-    const auto holds = [&](const Sector& s) {
-      const double half_rad = (s.to_rad - s.from_rad) / 2;
-      return std::abs(wrap_angle(at_rad - s.from_rad - half_rad)) <= half_rad + 1e-12;
+    const double at_rad = sectors_[i].middle_rad - sectors_[i].half_rad;
+    const auto holds = [at_rad](const Sector& s) {
+      return std::abs(wrap_angle(at_rad - s.middle_rad)) <= s.half_rad + 1e-12;
     };
     const auto depth = static_cast<int>(
         std::count_if(sectors_.begin(), sectors_.begin() + static_cast<long>(count_), holds));
@@ -230,10 +228,9 @@ double SectorOverlap::deepest_rad() const {
 void SectorOverlap::lay_out(double about_rad) {
   for (std::size_t i = 0; i < count_; ++i) {
     const Sector& s = sectors_[i];
-    const double half_rad = (s.to_rad - s.from_rad) / 2,
-                 middle_rad = wrap_angle(s.from_rad + half_rad - about_rad);
-    ends_[2 * i] = {middle_rad - half_rad, 1, s.by_position};
-    ends_[2 * i + 1] = {middle_rad + half_rad, -1, s.by_position};
+    const double middle_rad = wrap_angle(s.middle_rad - about_rad);
+    ends_[2 * i] = {middle_rad - s.half_rad, 1, s.by_position};
+    ends_[2 * i + 1] = {middle_rad + s.half_rad, -1, s.by_position};
   }
   std::sort(ends_.begin(), ends_.begin() + static_cast<long>(2 * count_),
             [](const End& a, const End& b) { return a.rad < b.rad; });
@@ -277,25 +274,23 @@ Heading SectorOverlap::heading() {
 
 ReceiverPath receiver_path(const Eigen::Vector3d& beacon, const ArrayReceiver& receiver,
                            const Eigen::Vector2d& p, double heading_rad) {
-  const double c = std::cos(heading_rad), s = std::sin(heading_rad);
   const Eigen::Vector3d& o = receiver.position_m;
-  const Eigen::Vector2d lever(c * o.x() - s * o.y(), s * o.x() + c * o.y());
+  const Eigen::Vector2d lever = Eigen::Rotation2Dd(heading_rad) * o.head<2>();
   const Eigen::Vector2d from = p + lever - beacon.head<2>();
   const double height_m = beacon.z() - o.z();
   ReceiverPath path;
   path.slant_m = std::sqrt(from.squaredNorm() + height_m * height_m);
   const Eigen::Vector2d e = path.slant_m > 0 ? Eigen::Vector2d(from / path.slant_m) : Eigen::Vector2d::Zero();
   path.by_position = e.transpose();
-  path.by_heading = e.y() * lever.x() - e.x() * lever.y();
+  path.by_heading = cross(lever, e);
   return path;
 }
 
 ReceiverGain receiver_gain(const Eigen::Vector3d& beacon, const ArrayReceiver& receiver,
                            const Eigen::Vector2d& p, double heading_rad, const AttenuationModel& model) {
-  const double c = std::cos(heading_rad), s = std::sin(heading_rad);
+  const Eigen::Matrix2d R = Eigen::Rotation2Dd(heading_rad).toRotationMatrix();
   const Eigen::Vector3d &o = receiver.position_m, &a = receiver.direction;
-  const Eigen::Vector2d lever(c * o.x() - s * o.y(), s * o.x() + c * o.y()),
-      axis(c * a.x() - s * a.y(), s * a.x() + c * a.y());
+  const Eigen::Vector2d lever = R * o.head<2>(), axis = R * a.head<2>();
   const Eigen::Vector3d to(beacon.x() - p.x() - lever.x(), beacon.y() - p.y() - lever.y(),
                            beacon.z() - o.z());
   const double distance_m = to.norm();
@@ -310,8 +305,8 @@ ReceiverGain receiver_gain(const Eigen::Vector3d& beacon, const ArrayReceiver& r
   // By the receiver's place: the distance grows along -e, the direction turns.
   gain.by_position =
       (loss * e.head<2>() - directivity.by_cosine / distance_m * (axis - cosine * e.head<2>())).transpose();
-  const Eigen::Vector2d lever_turns(-lever.y(), lever.x()), axis_turns(-axis.y(), axis.x());
-  gain.by_heading = gain.by_position.dot(lever_turns) + directivity.by_cosine * axis_turns.dot(e.head<2>());
+  gain.by_heading =
+      gain.by_position.dot(left_of(lever)) + directivity.by_cosine * left_of(axis).dot(e.head<2>());
   return gain;
 }
 

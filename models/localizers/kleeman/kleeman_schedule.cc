@@ -18,8 +18,4 @@ double least_absorbed_fraction(const FiringDesign& d, double fire_s) {
                   1 - std::pow(fire_s * d.threshold_v * d.speed_mps / d.amplitude_1m_v, 1.0 / d.reflections));
 }
 
-double lowest_threshold_v(const FiringDesign& d, double fire_s) {
-  return d.amplitude_1m_v * std::pow(1 - d.absorbed_fraction, d.reflections) / (fire_s * d.speed_mps);
-}
-
 }  // namespace octant

@@ -51,7 +51,4 @@ struct FiringDesign {
 /// enough; 0 where none is needed. The prototype's 150 ms need 0.04 with n = 5.
 [[nodiscard]] double least_absorbed_fraction(const FiringDesign& design, double fire_s);
 
-/// And for the threshold [V]: the lowest for which `fire_s` is long enough.
-[[nodiscard]] double lowest_threshold_v(const FiringDesign& design, double fire_s);
-
 }  // namespace octant

@@ -13,6 +13,7 @@
 #include "models/localizers/line_map/line_matching.h"
 #include "models/physics/plane.h"
 #include "models/trajectory/decompositions.h"
+#include "models/trajectory/trajectory.h"
 
 namespace octant {
 namespace {
@@ -23,8 +24,7 @@ constexpr std::size_t kScanScratchBytes = 4u
 constexpr double kSameSquared = 16.0;             // tracks closer than four sigma are one
 
 bool same_pose(const OdometryState& a, const OdometryState& b) {
-  const Eigen::Vector3d d(b.p_map_m.x() - a.p_map_m.x(), b.p_map_m.y() - a.p_map_m.y(),
-                          wrap_angle(b.heading_rad - a.heading_rad));
+  const Eigen::Vector3d d = difference(b, a);
   return d.dot((a.covariance + b.covariance).inverse() * d) < kSameSquared;
 }
 
@@ -97,16 +97,8 @@ Result<LineMap> build_line_map(const MeasurementLog& log, const LineMapOptions& 
   std::vector<Scan> scans;
   std::vector<Pose> poses;
   for (const Scan& scan : log.scans) {
-    const auto after = std::lower_bound(log.poses.begin(), log.poses.end(), scan.time_s,
-                                        [](const TimedPose& pose, double t) { return pose.time_s < t; });
-    if (after == log.poses.end() || (after == log.poses.begin() && after->time_s > scan.time_s)) continue;
-    Pose T = after->T_map_vehicle;
-    if (after->time_s > scan.time_s) {
-      const auto before = after - 1;
-      const double gap_s = after->time_s - before->time_s;
-      if (gap_s > log.pose_accuracy.max_gap_s) continue;
-      T = interpolate(before->T_map_vehicle, T, (scan.time_s - before->time_s) / gap_s);
-    }
+    Pose T;
+    if (!interpolate_poses(log.poses, scan.time_s, log.pose_accuracy.max_gap_s, T)) continue;
     scans.push_back(scan);
     poses.push_back(T);
   }
@@ -153,11 +145,7 @@ void LineMapLocalizer::start(const Pose& T_map_vehicle, const PoseAccuracy& star
 
 void LineMapLocalizer::move(const OdometryStep& step, double fraction) noexcept {
   for (Track& track : tracks_) {
-    const Eigen::Vector2d before_m = track.state.p_map_m;
-    advance(track.state, step, odometry_accuracy_, fraction);
-    Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
-    F(0, 2) = before_m.y() - track.state.p_map_m.y();
-    F(1, 2) = track.state.p_map_m.x() - before_m.x();
+    const Eigen::Matrix3d F = advance(track.state, step, odometry_accuracy_, fraction);
     track.of_map = F * track.of_map * F.transpose();
   }
 }

@@ -17,17 +17,6 @@ namespace {
 constexpr int kRounds = 4;
 constexpr double kReach_sigmas = 3.0;
 
-Eigen::Vector3d state_difference(const OdometryState& a, const OdometryState& b) {
-  return {a.p_map_m.x() - b.p_map_m.x(), a.p_map_m.y() - b.p_map_m.y(),
-          wrap_angle(a.heading_rad - b.heading_rad)};
-}
-
-double distance_from(const LineSegment& wall, const Eigen::Vector2d& p) {
-  const Eigen::Vector2d d = wall.to_m - wall.from_m;
-  const double t = std::clamp(d.dot(p - wall.from_m) / std::max(d.squaredNorm(), 1e-12), 0.0, 1.0);
-  return (wall.from_m + t * d - p).norm();
-}
-
 class Matcher {
  public:
   Matcher(const OdometryState& prior, std::span<const LineSegment> segments,
@@ -43,8 +32,11 @@ class Matcher {
                               options.clutter_share)) {
     double reach_m = 2 * options.max_offset_m;
     for (const Eigen::Vector2d& p : points) reach_m = std::max(reach_m, p.norm() + 2 * options.max_offset_m);
-    for (std::size_t k = 0; k < map.lines.size(); ++k)
-      if (distance_from(map.lines[k].segment, prior.p_map_m) < reach_m) near_.push_back(static_cast<int>(k));
+    for (std::size_t k = 0; k < map.lines.size(); ++k) {
+      const LineSegment& w = map.lines[k].segment;
+      if (distance_from_segment(w.from_m, w.to_m, prior.p_map_m) < reach_m)
+        near_.push_back(static_cast<int>(k));
+    }
     for (std::size_t i = 0; i < segments.size(); ++i) {
       first_candidate_.push_back(candidate_.size());
       for (std::size_t k = 0; k < map.lines.size(); ++k)
@@ -94,7 +86,7 @@ class Matcher {
     const Eigen::Vector2d p = at.p_map_m + Eigen::Rotation2Dd(at.heading_rad) * s.centre_m;
     if (std::abs(w.line.distance_m(p)) > options_.max_offset_m)
       return std::numeric_limits<double>::infinity();
-    const Eigen::Vector2d along = (w.to_m - w.from_m) / std::max(w.length_m(), 1e-12);
+    const Eigen::Vector2d along = w.along();
     const double slack_m =
         options_.join.gap_m + kReach_sigmas * std::sqrt(along.dot(P.topLeftCorner<2, 2>() * along));
     const double t = along.dot(p - w.from_m);
@@ -132,7 +124,7 @@ class Matcher {
   void adjust(WallMatches& m) const {
     const Eigen::Vector2d wall_variance(square(options_.map_sigma_m), square(options_.map_sigma_rad));
     for (int step = 0; step < 3; ++step) {
-      const Eigen::Vector3d moved = state_difference(prior_, m.state);
+      const Eigen::Vector3d moved = difference(prior_, m.state);
       Eigen::Matrix3d information = prior_information_;
       Eigen::Vector3d gradient = prior_information_ * moved;
       m.cost = moved.dot(prior_information_ * moved);
@@ -189,7 +181,7 @@ WallObservation observe_wall(const OdometryState& pose, const LineSegment& segme
   o.residual = {
       -wall.line.distance_m(pose.p_map_m + lever),
       -std::remainder(segment.line.alpha_rad + pose.heading_rad - wall.line.alpha_rad, std::numbers::pi)};
-  o.H << normal.x(), normal.y(), normal.dot(Eigen::Vector2d(-lever.y(), lever.x())), 0.0, 0.0, 1.0;
+  o.H << normal.x(), normal.y(), normal.dot(left_of(lever)), 0.0, 0.0, 1.0;
   // Mean and slope of `count` points spread evenly over the length.
   o.noise = {square(beam_m) / segment.count + square(options.line_sigma_m),
              12 * square(beam_m / length_m) / segment.count + square(options.line_sigma_rad)};
@@ -207,7 +199,7 @@ MapSupport map_support(const OdometryState& pose, std::span<const Eigen::Vector2
     for (const int k : walls) {
       const LineSegment& w = map.lines[static_cast<std::size_t>(k)].segment;
       const double start_off = w.line.distance_m(pose.p_map_m), end_off = w.line.distance_m(end);
-      const Eigen::Vector2d along = (w.to_m - w.from_m) / std::max(w.length_m(), 1e-12);
+      const Eigen::Vector2d along = w.along();
       if (std::abs(end_off) < options.hit_m) {
         const double t = along.dot(end - w.from_m);
         on_wall = on_wall || (t > -options.hit_m && t < w.length_m() + options.hit_m);

@@ -16,8 +16,8 @@ void refit_line(LineSegment& s, std::span<const Eigen::Vector2d> reach) {
   // Direction of largest scatter, in closed form.
   const Eigen::Matrix2d& S = s.scatter_m2;
   const double along_rad = 0.5 * std::atan2(2 * S(0, 1), S(0, 0) - S(1, 1));
-  const Eigen::Vector2d along(std::cos(along_rad), std::sin(along_rad));
-  Eigen::Vector2d normal(-along.y(), along.x());
+  const Eigen::Vector2d along = direction_of(along_rad);
+  Eigen::Vector2d normal = left_of(along);
   s.rms_m = std::sqrt(std::max(0.0, normal.dot(S * normal)) / s.count);
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const Eigen::Vector2d& p : reach) {
@@ -28,12 +28,10 @@ void refit_line(LineSegment& s, std::span<const Eigen::Vector2d> reach) {
   s.from_m = s.centre_m + low * along;
   s.to_m = s.centre_m + high * along;
   if (normal.dot(s.centre_m) < 0) normal = -normal;
-  s.line = {normal.dot(s.centre_m), std::atan2(normal.y(), normal.x())};
+  s.line = {normal.dot(s.centre_m), angle_of(normal)};
 }
 
 }  // namespace
-
-Eigen::Vector2d NormalLine::normal() const { return {std::cos(alpha_rad), std::sin(alpha_rad)}; }
 
 std::pmr::vector<Eigen::Vector2d> scan_points(const Scan& scan, const ScanLineOptions& options) {
   std::pmr::vector<Eigen::Vector2d> points(scratch());
@@ -42,7 +40,7 @@ std::pmr::vector<Eigen::Vector2d> scan_points(const Scan& scan, const ScanLineOp
     const double r = scan.range_m[k];
     if (!(r > 0 && r < options.range_max_m)) continue;
     const double angle = scan.angle_min_rad + static_cast<double>(k) * scan.angle_increment_rad;
-    points.emplace_back(r * std::cos(angle), r * std::sin(angle));
+    points.push_back(r * direction_of(angle));
   }
   return points;
 }
@@ -74,13 +72,13 @@ LineSegment fit_segment(std::span<const Eigen::Vector2d> points) {
 std::pmr::vector<LineSegment> iterative_segments(std::span<const Eigen::Vector2d> object,
                                                  const ScanLineOptions& options) {
   std::pmr::vector<LineSegment> segments(scratch());
-  struct Piece {
+  struct PointRange {
     std::size_t first, last;  // both included
   };
-  std::pmr::vector<Piece> open(scratch());
+  std::pmr::vector<PointRange> open(scratch());
   if (object.size() >= 2) open.push_back({0, object.size() - 1});
   while (!open.empty()) {
-    const Piece piece = open.back();
+    const PointRange piece = open.back();
     open.pop_back();
     if (static_cast<int>(piece.last - piece.first) + 1 < std::max(2, options.min_points)) continue;
     // Line A x + B y + C = 0 through the ends P_a and P_z.
@@ -130,7 +128,7 @@ std::vector<HoughLine> hough_lines(std::span<const Eigen::Vector2d> points, cons
     table.assign(alphas * cells, 0);
     for (std::size_t a = 0; a < alphas; ++a) {
       const double alpha = wrap_angle(static_cast<double>(a) * options.hough_alpha_rad);
-      const Eigen::Vector2d normal(std::cos(alpha), std::sin(alpha));
+      const Eigen::Vector2d normal = direction_of(alpha);
       for (const Eigen::Vector2d& p : left) {
         const double c = normal.dot(p);  // eq. 4: the curve of a point in Hough space
         if (c >= 0) ++table[a * cells + static_cast<std::size_t>(std::lround(c / options.hough_c_m))];
@@ -172,7 +170,7 @@ bool may_join(const LineSegment& a, const LineSegment& b, const LinkGate& gate) 
   for (const Eigen::Vector2d& end : {other.from_m, other.to_m})
     if (std::abs(longer.line.distance_m(end)) > gate.offset_m) return false;
   const double length = longer.length_m();
-  const Eigen::Vector2d along = (longer.to_m - longer.from_m) / std::max(length, 1e-12);
+  const Eigen::Vector2d along = longer.along();
   const double t1 = along.dot(other.from_m - longer.from_m), t2 = along.dot(other.to_m - longer.from_m);
   return std::min(t1, t2) <= length + gate.gap_m && std::max(t1, t2) >= -gate.gap_m;
 }
@@ -186,28 +184,6 @@ LineSegment joined(const LineSegment& a, const LineSegment& b) {
   const Eigen::Vector2d ends[] = {a.from_m, a.to_m, b.from_m, b.to_m};
   refit_line(s, ends);
   return s;
-}
-
-std::vector<std::optional<std::size_t>> link_segments(std::span<const LineSegment> before,
-                                                      std::span<const LineSegment> current,
-                                                      const Pose& T_before_current, const LinkGate& gate) {
-  std::vector<std::optional<std::size_t>> links;
-  for (const LineSegment& segment : current) {
-    const LineSegment here = transformed(segment, T_before_current);
-    std::optional<std::size_t> link;
-    double nearest = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < before.size(); ++i) {
-      if (!may_join(before[i], here, gate)) continue;
-      const double turn = std::remainder(before[i].line.alpha_rad - here.line.alpha_rad, std::numbers::pi);
-      const double off =
-          square(before[i].line.distance_m(here.centre_m) / gate.offset_m) + square(turn / gate.angle_rad);
-      if (off >= nearest) continue;
-      nearest = off;
-      link = i;
-    }
-    links.push_back(link);
-  }
-  return links;
 }
 
 }  // namespace octant

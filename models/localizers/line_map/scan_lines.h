@@ -2,14 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <limits>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "models/physics/plane.h"
 #include "models/physics/pose.h"
 #include "models/run.h"
 #include "models/support/scratch.h"
@@ -35,7 +36,7 @@ struct ScanLineOptions {
 struct NormalLine {
   double c_m = 0.0;
   double alpha_rad = 0.0;
-  [[nodiscard]] Eigen::Vector2d normal() const;
+  [[nodiscard]] Eigen::Vector2d normal() const { return direction_of(alpha_rad); }
   [[nodiscard]] double distance_m(const Eigen::Vector2d& p) const { return normal().dot(p) - c_m; }
 };
 
@@ -48,6 +49,8 @@ struct LineSegment {
   Eigen::Matrix2d scatter_m2 = Eigen::Matrix2d::Zero();  ///< sum of (p - centre)(p - centre)'
   double rms_m = 0.0;                                    ///< of the distances from the line
   [[nodiscard]] double length_m() const { return (to_m - from_m).norm(); }
+  /// Unit vector from end to end.
+  [[nodiscard]] Eigen::Vector2d along() const { return (to_m - from_m) / std::max(length_m(), 1e-12); }
 };
 
 struct HoughLine {
@@ -94,12 +97,5 @@ struct LinkGate {
 [[nodiscard]] bool may_join(const LineSegment& a, const LineSegment& b, const LinkGate& gate);
 /// Both together.
 [[nodiscard]] LineSegment joined(const LineSegment& a, const LineSegment& b);
-
-/// Matching of objects in successive scans: for each of the current segments the one of the scan before that
-/// it continues.
-[[nodiscard]] std::vector<std::optional<std::size_t>> link_segments(std::span<const LineSegment> before,
-                                                                    std::span<const LineSegment> current,
-                                                                    const Pose& T_before_current,
-                                                                    const LinkGate& gate = {});
 
 }  // namespace octant

@@ -178,8 +178,7 @@ Eigen::Vector3d OneBeacon::start(unsigned sides, int left_out) const {
     dot += r.dot(m);
     cross += left_of(r).dot(m);
   });
-  const double heading_rad =
-      heading_rad_ ? *heading_rad_ : now_.rail_heading_rad.value_or(std::atan2(cross, dot));
+  const double heading_rad = known_heading_rad().value_or(std::atan2(cross, dot));
   const Eigen::Vector2d p = robot_in_map(mean_robot, mean_map, heading_rad);
   return {p.x(), p.y(), heading_rad};
 }
@@ -202,7 +201,7 @@ FixStatus OneBeacon::finish(const Attempt& attempt, int left_out, std::span<cons
     }
   }
   Eigen::Matrix3d covariance = propagation_.covariance(deployment_);
-  if (heading_rad_ || now_.rail_heading_rad) {
+  if (known_heading_rad()) {
     const Eigen::Vector3d by_heading =
         attempt.covariance.col(2) / options_.heading_sigma_rad;  // gain times sigma
     covariance += by_heading * by_heading.transpose();
@@ -224,7 +223,7 @@ FixStatus OneBeacon::fix_pose(std::span<const Arrival> arrivals, Fix& fix) {
   now_ = receivers_[fix.vehicle.index()];
   if (!now_.id[0].valid()) return FixStatus::kTooFewArrivals;
   if (const FixStatus status = view_beacons(arrivals, pairs, fix); status != FixStatus::kOk) return status;
-  if (views_.size() < 2 && !heading_rad_ && !now_.rail_heading_rad) return FixStatus::kTooFewArrivals;
+  if (views_.size() < 2 && !known_heading_rad()) return FixStatus::kTooFewArrivals;
   Attempt best;
   int left_out = -1;
   FixStatus status = choose(fix, left_out, best);

@@ -94,6 +94,9 @@ class OneBeacon : public Localizer {
     double time_s = 0.0;
     Eigen::Vector2d p_m = Eigen::Vector2d::Zero();
   };
+  [[nodiscard]] std::optional<double> known_heading_rad() const {
+    return heading_rad_ ? heading_rad_ : now_.rail_heading_rad;
+  }
   [[nodiscard]] FixStatus fix_pose(std::span<const Arrival> arrivals, Fix& fix);
   [[nodiscard]] FixStatus view_beacons(std::span<const Arrival> arrivals, std::span<const PairRange> pairs,
                                        Fix& fix);

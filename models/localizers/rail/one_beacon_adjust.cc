@@ -22,20 +22,18 @@ constexpr double kSlack_m = 0.1;  // beyond what the vehicle can have moved
 /// Residual of a range at a pose, and its derivative by the pose.
 double OneBeacon::row(const View& seen, std::size_t end, const Eigen::Vector3d& pose,
                       Eigen::Vector3d& by_pose) const {
-  const Pose T = Pose::planar(pose.x(), pose.y(), pose.z());
-  const Sight sight = sight_of(T, seen.pair[end].beacon, seen.pair[end].receiver, deployment_);
-  const Eigen::Vector2d lever =
-      (T.rotation * deployment_.receivers[seen.pair[end].receiver.index()].position_m).head<2>();
-  const Eigen::Vector2d u = sight.direction.head<2>();
-  by_pose << u, u.dot(left_of(lever));
-  return seen.pair[end].range_m - sight.distance_m;
+  const PairRange& pair = seen.pair[end];
+  const Sight sight =
+      sight_of(Pose::planar(pose.x(), pose.y(), pose.z()), pair.beacon, pair.receiver, deployment_);
+  by_pose = sight.by_pose;
+  return pair.range_m - sight.distance_m;
 }
 
 /// Least squares of the ranges, and of the heading if it is known. With one beacon it changes nothing: two
 /// ranges, two unknowns.
 OneBeacon::Attempt OneBeacon::adjust(Eigen::Vector3d pose, int left_out) const {
   Attempt out;
-  const std::optional<double> known_rad = heading_rad_ ? heading_rad_ : now_.rail_heading_rad;
+  const std::optional<double> known_rad = known_heading_rad();
   const double weight = 1 / (options_.heading_sigma_rad * options_.heading_sigma_rad);
   for (int i = 0; i < 20; ++i) {
     Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
@@ -73,7 +71,7 @@ OneBeacon::Attempt OneBeacon::adjust(Eigen::Vector3d pose, int left_out) const {
 /// from elsewhere is taken for right.
 double OneBeacon::protection_level(const Attempt& attempt, int left_out, const Eigen::Matrix3d& covariance) {
   sums_.clear();
-  if (const std::optional<double> known_rad = heading_rad_ ? heading_rad_ : now_.rail_heading_rad)
+  if (const std::optional<double> known_rad = known_heading_rad())
     sums_.add(Eigen::RowVector3d(0, 0, 1 / options_.heading_sigma_rad),
               wrap_angle(*known_rad - attempt.pose.z()) / options_.heading_sigma_rad);
   Eigen::Vector3d by_pose;
@@ -94,8 +92,7 @@ double OneBeacon::protection_level(const Attempt& attempt, int left_out, const E
 bool OneBeacon::in_reach(const Fix& fix, int left_out, const Attempt& attempt) const {
   const Last& last = last_[fix.vehicle.index()];
   const std::size_t beacons = views_.size() - (left_out >= 0 ? 1 : 0);
-  const bool agree =
-      beacons > (heading_rad_ || now_.rail_heading_rad ? 1u : 2u) && attempt.cost <= gate(left_out);
+  const bool agree = beacons > (known_heading_rad() ? 1u : 2u) && attempt.cost <= gate(left_out);
   if (!last.known || agree) return true;
   const auto& motion = deployment_.vehicles[fix.vehicle.index()].motion;
   const double speed_mps = motion ? motion->speed_mps : options_.max_speed_mps;
@@ -135,7 +132,7 @@ FixStatus OneBeacon::choose(const Fix& fix, int left_out, Attempt& best) const {
 
 /// One of three beacons or more may be an echo; of two, the last position may tell which.
 FixStatus OneBeacon::without_one(const Fix& fix, int& left_out, Attempt& best) const {
-  const std::size_t least_beacons = heading_rad_ || now_.rail_heading_rad ? 1 : 2;
+  const std::size_t least_beacons = known_heading_rad() ? 1 : 2;
   if (views_.size() <= least_beacons || (views_.size() < 3 && !last_[fix.vehicle.index()].known))
     return FixStatus::kNoConsensus;
   int agreeing = 0;
@@ -156,7 +153,7 @@ FixStatus OneBeacon::without_one(const Fix& fix, int& left_out, Attempt& best) c
 /// What the cost stays below, calibration's own uncertainty allowed for.
 double OneBeacon::gate(int left_out) const {
   const int beacons = static_cast<int>(views_.size()) - (left_out >= 0 ? 1 : 0);
-  const int dof = 2 * beacons - (heading_rad_ || now_.rail_heading_rad ? 2 : 3);
+  const int dof = 2 * beacons - (known_heading_rad() ? 2 : 3);
   double factor = 1.0;
   for (const View& seen : views_)
     for (const PairRange& pair : seen.pair)

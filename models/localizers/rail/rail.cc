@@ -38,12 +38,9 @@ RailLocalizer::RailLocalizer(const Deployment& deployment, RailOptions options)
 
 RailLocalizer::Row RailLocalizer::row(const PairRange& pair, const RailPoint& at) const {
   const Sight sight = sight_of(at.T_map_vehicle, pair.beacon, pair.receiver, deployment_);
-  const Eigen::Vector2d lever =
-      (at.T_map_vehicle.rotation * deployment_.receivers[pair.receiver.index()].position_m).head<2>();
-  const Eigen::Vector2d u = sight.direction.head<2>();
   Row out;
   out.off_m = pair.range_m - sight.distance_m;
-  out.by_s = u.dot(at.by_s.head<2>() + at.by_s.z() * left_of(lever));
+  out.by_s = sight.by_pose.dot(at.by_s);
   out.sigma_m = std::sqrt(pair.sigma_m * pair.sigma_m + calibration_variance_m2(pair, deployment_) +
                           options_.rail_sigma_m * options_.rail_sigma_m);
   return out;
@@ -164,7 +161,7 @@ bool RailLocalizer::published(std::span<const PairRange> pairs, const Place& exa
     const double rise_m = beacon.z() - receiver.z(), d2 = (pair.range_m - rise_m) * (pair.range_m + rise_m);
     const Eigen::Vector2d to_receiver = receiver.head<2>() - rail_->centre_m,
                           to_beacon = beacon.head<2>() - rail_->centre_m;
-    const double left = to_beacon.x() * to_receiver.y() - to_beacon.y() * to_receiver.x();
+    const double left = cross(to_beacon, to_receiver);
     const double d_m = (receiver - beacon).head<2>().norm();
     if (!(d2 > 0 && d_m > 0)) continue;
     // The receiver runs on a circle of its own. On the right half of figure 3 everything is mirrored.
@@ -228,13 +225,11 @@ FixStatus RailLocalizer::finish(std::span<const PairRange> pairs, std::span<cons
         propagation_.add(at.by_s * weight / information, pair, at.T_map_vehicle, deployment_);
         fix.cost += 0.5 * z * z;
       } else {
-        const Eigen::Vector2d u =
-            sight_of(at.T_map_vehicle, pair.beacon, pair.receiver, deployment_).direction.head<2>();
+        const Eigen::Vector3d by_pose =
+            sight_of(at.T_map_vehicle, pair.beacon, pair.receiver, deployment_).by_pose;
         information += weight * r.by_s;
-        sway += weight * u.dot(left_of(along));
-        turn += weight * u.dot(left_of((at.T_map_vehicle.rotation *
-                                        deployment_.receivers[pair.receiver.index()].position_m)
-                                           .head<2>()));
+        sway += weight * by_pose.head<2>().dot(left_of(along));
+        turn += weight * by_pose.z();
       }
     }
   }

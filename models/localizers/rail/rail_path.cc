@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/physics/plane.h"
+
 namespace octant {
 namespace {
 
@@ -15,7 +17,7 @@ RailPlaces two_places(const Rail& rail, double middle_m, double half_m) {
 
 RailPlaces straight_places(const Rail& rail, const Eigen::Vector3d& o, const Eigen::Vector3d& p,
                            double range_m, double slack_m) {
-  const Eigen::Vector2d along = (rail.to_m - rail.from_m).normalized(), across(-along.y(), along.x());
+  const Eigen::Vector2d along = (rail.to_m - rail.from_m).normalized(), across = left_of(along);
   // Beacon from the receiver of a vehicle at s = 0.
   const Eigen::Vector2d off = p.head<2>() - rail.from_m - along * o.x() - across * o.y();
   const double nearest_m = std::hypot(across.dot(off), p.z() - o.z());
@@ -41,8 +43,7 @@ RailPlaces arc_places(const Rail& rail, const Eigen::Vector3d& o, const Eigen::V
   const double beyond2 = std::max(0.0, (range_m - least_m) * (range_m + least_m));
   const double before2 = std::max(0.0, (most_m - range_m) * (most_m + range_m));
   const double gamma_rad = 2 * std::atan2(std::sqrt(beyond2), std::sqrt(before2));
-  return two_places(rail, rail.radius_m * (std::atan2(off.y(), off.x()) - ahead_rad),
-                    rail.radius_m * gamma_rad);
+  return two_places(rail, rail.radius_m * (angle_of(off) - ahead_rad), rail.radius_m * gamma_rad);
 }
 
 }  // namespace
@@ -52,12 +53,12 @@ RailPoint rail_point(const Rail& rail, double s_m) {
   if (rail.shape == Rail::Shape::kStraight) {
     const Eigen::Vector2d along = (rail.to_m - rail.from_m).normalized();
     const Eigen::Vector2d p = rail.from_m + s_m * along;
-    out.T_map_vehicle = Pose::planar(p.x(), p.y(), std::atan2(along.y(), along.x()));
+    out.T_map_vehicle = Pose::planar(p.x(), p.y(), angle_of(along));
     out.by_s << along, 0.0;
     return out;
   }
   const double phi = s_m / rail.radius_m;
-  const Eigen::Vector2d radial(std::cos(phi), std::sin(phi)), tangent(-radial.y(), radial.x());
+  const Eigen::Vector2d radial = direction_of(phi), tangent = left_of(radial);
   const Eigen::Vector2d p = rail.centre_m + rail.radius_m * radial;
   out.T_map_vehicle = Pose::planar(p.x(), p.y(), wrap_angle(phi + M_PI / 2));
   out.by_s << tangent, 1 / rail.radius_m;

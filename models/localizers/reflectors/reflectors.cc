@@ -29,9 +29,7 @@ Eigen::Vector3d by_pose(const Eigen::Vector2d& sight) {
   return {sight.y() / squared, -sight.x() / squared, -1.0};
 }
 
-Eigen::Vector2d direction(double angle_rad) { return {std::cos(angle_rad), std::sin(angle_rad)}; }
-
-Eigen::Vector3d difference(const ResectedPose& a, const ResectedPose& b) {
+Eigen::Vector3d pose_difference(const ResectedPose& a, const ResectedPose& b) {
   return {a.p_map_m.x() - b.p_map_m.x(), a.p_map_m.y() - b.p_map_m.y(),
           angle_of(turn_between(b.ahead, a.ahead))};
 }
@@ -39,14 +37,13 @@ Eigen::Vector3d difference(const ResectedPose& a, const ResectedPose& b) {
 }  // namespace
 
 Result<void> reflectors_fits(const Deployment& deployment) {
-  const auto usable =
-      std::count_if(deployment.beacons.begin(), deployment.beacons.end(),
-                    [](const DeploymentBeacon& b) { return b.status != BeaconStatus::kUndetermined; });
-  if (usable >= 3 && deployment.motion == Motion::kPlanar) return {};
-  return fail({.code = Errc::kBadInput,
-               .found = usable < 3 ? "reflectors: " + std::to_string(usable) + " usable beacons"
-                                   : "reflectors: the motion is spatial",
-               .expected = usable < 3 ? "three reflectors or more among the beacons" : "planar motion"});
+  const std::size_t usable = usable_beacons(deployment);
+  if (usable < 3)
+    return bad_input("reflectors: " + std::to_string(usable) + " usable beacons",
+                     "three reflectors or more among the beacons");
+  if (deployment.motion != Motion::kPlanar)
+    return bad_input("reflectors: the motion is spatial", "planar motion");
+  return {};
 }
 
 Reflectors::Reflectors(const Deployment& deployment, const ReflectorsOptions& options)
@@ -71,7 +68,7 @@ Reflectors::Reflectors(const Deployment& deployment, const ReflectorsOptions& op
 
 void Reflectors::predict(const Pose& T_map_vehicle, double sigma_m, double sigma_rad) noexcept {
   given_ = Prediction{
-      {T_map_vehicle.translation_m.head<2>(), direction(T_map_vehicle.heading_rad())}, sigma_m, sigma_rad};
+      {T_map_vehicle.translation_m.head<2>(), direction_of(T_map_vehicle.heading_rad())}, sigma_m, sigma_rad};
 }
 
 void Reflectors::locate_known(const Observations& observations, Fix& fix) noexcept {
@@ -98,8 +95,7 @@ void Reflectors::locate_known(const Observations& observations, Fix& fix) noexce
     const Eigen::Vector2d sight = reflector.p_map_m - best.pose.p_map_m;
     fix.cost += 0.5 * square(off_rad(best.pose, i, sight)) / variance(reflector, sight);
   }
-  for (const Rejection r : fix.rejections)
-    ++(r == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
+  count_rejections(fix);
   protect(best.pose, bearings, fix);
   last_ = best.pose;
   last_fix_s_ = fix.time_s;
@@ -123,15 +119,8 @@ void Reflectors::protect(const ResectedPose& pose, std::span<const Bearing> bear
 /// The fix's blank state, and what is known of the pose beforehand.
 void Reflectors::begin(const Observations& observations, Fix& fix) noexcept {
   const auto& bearings = observations.bearings;
-  fix.status = FixStatus::kTooFewArrivals;
-  fix.T_map_vehicle = Pose();
-  fix.covariance.resize(3, 3);
-  fix.covariance.setZero();
-  fix.protection_level_m = fix.cost = 0.0;
-  fix.arrivals_used = fix.arrivals_rejected = 0;
-  fix.time_s = bearings.empty() ? 0.0 : bearings[bearings.size() / 2].time_s;
-  fix.vehicle = bearings.empty() ? VehicleId() : bearings.front().vehicle;
-  fix.epoch = bearings.empty() ? kNoEpoch : bearings.front().epoch;
+  begin_fix(bearings, fix);
+  fix.covariance.setZero(3, 3);
   fix.rejections.assign(bearings.size(), Rejection::kUsed);
   for (std::size_t i = 0; i < bearings.size(); ++i) {
     const BeaconId id = bearings[i].reflector;
@@ -141,7 +130,7 @@ void Reflectors::begin(const Observations& observations, Fix& fix) noexcept {
       fix.rejections[i] = Rejection::kBeaconUnusable;
     if (i < kMaxBearings)
       match_[i] = fix.rejections[i] == Rejection::kUsed ? -1 : -2;  // -2: never to be matched
-    if (i < kMaxBearings) sights_[i] = direction(bearings[i].bearing_rad);
+    if (i < kMaxBearings) sights_[i] = direction_of(bearings[i].bearing_rad);
   }
   prediction_ = given_;
   if (!prediction_ && last_fix_s_ && options_.speed_mps > 0) {
@@ -343,7 +332,7 @@ bool Reflectors::refine(Hypothesis& hypothesis, std::span<const Bearing> bearing
       const Eigen::Vector3d change = observed.solve(gradient);
       if (!change.allFinite()) return false;
       pose.p_map_m += change.head<2>();
-      pose.ahead = direction(pose.heading_rad() + change.z());
+      pose.ahead = direction_of(pose.heading_rad() + change.z());
       converged = change.cwiseAbs().maxCoeff() < 1e-10;
     }
     if (!converged) return false;
@@ -388,7 +377,7 @@ FixStatus Reflectors::judge(std::span<const Bearing> bearings, Hypothesis& best,
     return FixStatus::kPoorGeometry;
   for (const Hypothesis& other : best_) {
     if (!(other.cost < best.cost + options_.ambiguity_margin)) continue;
-    const Eigen::Vector3d d = difference(other.pose, best.pose);
+    const Eigen::Vector3d d = pose_difference(other.pose, best.pose);
     if (d.dot(information * d) > square(kSameSigmas)) return FixStatus::kAmbiguous;
   }
   return FixStatus::kOk;

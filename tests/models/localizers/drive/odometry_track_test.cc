@@ -130,24 +130,5 @@ TEST(OdometryCursor, GivesNothingForAnInstantThatIsPast) {
   EXPECT_EQ(calls, 4);
 }
 
-TEST(OdometryTrack, IsTheChainOfItsRows) {
-  Random draws(4);
-  const std::vector<OdometryStep> steps = any_steps(50, draws);
-  const Pose anchor = Pose::planar(3, 4, 1.0);
-  const std::vector<TimedPose> track = odometry_track(steps, anchor);
-  ASSERT_EQ(track.size(), 50U);
-  EXPECT_EQ(track[0].T_map_vehicle.translation_m, anchor.translation_m)
-      << "what the first row says is no motion";
-  OdometryState state{.p_map_m = {3, 4}, .heading_rad = 1.0};
-  OdometryCursor cursor(steps, 0.0);
-  for (std::size_t i = 1; i < steps.size(); ++i) {
-    cursor.advance_to(steps[i].time_s, [&](const OdometryStep& s, double f) { advance(state, s, {}, f); });
-    EXPECT_EQ(track[i].time_s, steps[i].time_s);
-    EXPECT_LT((track[i].T_map_vehicle.translation_m.head<2>() - state.p_map_m).norm(), 1e-12);
-    EXPECT_LT(std::abs(wrap_angle(track[i].T_map_vehicle.heading_rad() - state.heading_rad)), 1e-12);
-  }
-  EXPECT_TRUE(odometry_track({}, anchor).empty());
-}
-
 }  // namespace
 }  // namespace octant::test

@@ -115,7 +115,6 @@ TEST(FiringSchedule, DesignRuleGivesThePublishedFigures) {
   EXPECT_NEAR(least_absorbed_fraction({.reflections = 5}, 0.150), 0.04, 0.005);  // "alpha > 0.04 for n = 5"
   const FiringDesign chosen{.absorbed_fraction = 0.04, .reflections = 5};
   EXPECT_LE(shortest_fire_s(chosen), 0.150);  // "200 mV and 150 ms"
-  EXPECT_NEAR(lowest_threshold_v(chosen, shortest_fire_s(chosen)), chosen.threshold_v, 1e-12);
   EXPECT_NEAR(shortest_fire_s(
                   {.absorbed_fraction = least_absorbed_fraction({.reflections = 5}, 0.1), .reflections = 5}),
               0.1, 1e-12);

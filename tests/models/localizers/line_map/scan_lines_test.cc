@@ -143,32 +143,6 @@ TEST(Segments, JoinAndMove) {
   EXPECT_FALSE(may_join(whole, carried, {}));
 }
 
-TEST(Segments, LinkAcrossScans) {
-  Random random(4);
-  const auto walls = driveway();
-  const test::Scanner scanner{
-      .angle_min_rad = -5 * kDegree, .step_rad = 0.5 * kDegree, .beams = 381, .range_max_m = 80.0};
-  const Pose next = Pose::planar(0.1, 0.4, 0.05);
-  const auto before = scan_segments(scan_of(walls, Pose(), scanner, 0.01, random));
-  const auto current = scan_segments(scan_of(walls, next, scanner, 0.01, random));
-  const auto links = link_segments(before, current, next);
-  ASSERT_EQ(links.size(), current.size());
-  int linked = 0;
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    if (!links[i]) continue;
-    ++linked;
-    const LineSegment here = transformed(current[i], next);
-    EXPECT_LT(
-        std::abs(std::remainder(here.line.alpha_rad - before[*links[i]].line.alpha_rad, std::numbers::pi)),
-        0.05);
-  }
-  EXPECT_GE(linked, 3);
-  // Without the motion between the scans they do not fit: 0.4 m ahead is more than the gate of 0.15 m.
-  const auto still = link_segments(before, current, Pose());
-  EXPECT_LT(std::count_if(still.begin(), still.end(), [](const auto& link) { return link.has_value(); }),
-            linked);
-}
-
 TEST(Odometry, Equation1IsAnArcInShortSteps) {
   const BodySpeed body = body_speed(0.45, 0.55, 0.5);
   EXPECT_DOUBLE_EQ(body.speed_mps, 0.5);
