@@ -31,11 +31,7 @@ constexpr std::array kKinds = {KindNames{ContradictionKind::kControlPoint, "cont
                                KindNames{ContradictionKind::kStop, "stop", "Vehicle at"},
                                KindNames{ContradictionKind::kLog, "log", "Recording"}};
 
-const KindNames& names_of(ContradictionKind kind) {
-  for (const KindNames& k : kKinds)
-    if (k.kind == kind) return k;
-  return kKinds.back();
-}
+const KindNames& names_of(ContradictionKind kind) { return kKinds[static_cast<std::size_t>(kind)]; }
 
 }  // namespace
 

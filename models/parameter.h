@@ -90,45 +90,33 @@ struct ParameterId {
 
 namespace parameters {
 
+using enum ParameterKind;
+
 template <class Index>
 [[nodiscard]] constexpr ParameterId of(ParameterKind kind, Index owner, std::size_t component = 0) {
   return {kind, static_cast<std::uint32_t>(owner), static_cast<std::uint32_t>(component)};
 }
 [[nodiscard]] constexpr ParameterId beacon_position(std::size_t beacon, std::size_t axis) {
-  return of(ParameterKind::kBeaconPosition, beacon, axis);
+  return of(kBeaconPosition, beacon, axis);
 }
-[[nodiscard]] constexpr ParameterId beacon_delay(std::size_t beacon) {
-  return of(ParameterKind::kBeaconDelay, beacon);
-}
-[[nodiscard]] constexpr ParameterId beacon_gain(std::size_t beacon) {
-  return of(ParameterKind::kBeaconGain, beacon);
-}
+[[nodiscard]] constexpr ParameterId beacon_delay(std::size_t beacon) { return of(kBeaconDelay, beacon); }
+[[nodiscard]] constexpr ParameterId beacon_gain(std::size_t beacon) { return of(kBeaconGain, beacon); }
 [[nodiscard]] constexpr ParameterId receiver_position(std::size_t receiver, std::size_t axis) {
-  return of(ParameterKind::kReceiverPosition, receiver, axis);
+  return of(kReceiverPosition, receiver, axis);
 }
 [[nodiscard]] constexpr ParameterId receiver_delay(std::size_t receiver) {
-  return of(ParameterKind::kReceiverDelay, receiver);
+  return of(kReceiverDelay, receiver);
 }
-[[nodiscard]] constexpr ParameterId array_radius(std::size_t vehicle) {
-  return of(ParameterKind::kArray, vehicle, 0);
-}
-[[nodiscard]] constexpr ParameterId array_turn(std::size_t vehicle) {
-  return of(ParameterKind::kArray, vehicle, 1);
-}
-[[nodiscard]] constexpr ParameterId site_delay() { return of(ParameterKind::kSiteDelay, 0); }
+[[nodiscard]] constexpr ParameterId array_radius(std::size_t vehicle) { return of(kArray, vehicle, 0); }
+[[nodiscard]] constexpr ParameterId array_turn(std::size_t vehicle) { return of(kArray, vehicle, 1); }
+[[nodiscard]] constexpr ParameterId site_delay() { return of(kSiteDelay, 0); }
 /// The speed of all runs together, or of the run of that number (from 1).
-[[nodiscard]] constexpr ParameterId speed(std::size_t run_number = 0) {
-  return of(ParameterKind::kSpeed, run_number);
-}
+[[nodiscard]] constexpr ParameterId speed(std::size_t run_number = 0) { return of(kSpeed, run_number); }
 /// @param unknown  in the order of AttenuationRow
-[[nodiscard]] constexpr ParameterId attenuation(std::size_t unknown) {
-  return of(ParameterKind::kAttenuation, 0, unknown);
-}
-[[nodiscard]] constexpr ParameterId clock_drift(std::size_t vehicle) {
-  return of(ParameterKind::kClockDrift, vehicle);
-}
+[[nodiscard]] constexpr ParameterId attenuation(std::size_t unknown) { return of(kAttenuation, 0, unknown); }
+[[nodiscard]] constexpr ParameterId clock_drift(std::size_t vehicle) { return of(kClockDrift, vehicle); }
 [[nodiscard]] constexpr ParameterId pair_bias(std::size_t beacon, std::size_t receiver) {
-  return of(ParameterKind::kPairBias, beacon, receiver);
+  return of(kPairBias, beacon, receiver);
 }
 
 }  // namespace parameters

@@ -29,9 +29,8 @@ void check_temperature(const Deployment& d, const MeasurementLog& run, OutsideVa
   if (std::max(below, above) > 0.0) out.temperature_degC = below > above ? (*stated)[0] : (*stated)[1];
 }
 
-constexpr double kSecondsOfAMonth = 30.44 * 86400.0;  ///< as months_between counts
-constexpr double kInThePlane95 = 2.4477;              ///< sqrt of chi-square's 95 % point of 2 degrees
-constexpr double kLongest_months = 1200.0;            ///< beyond which no date is told
+constexpr double kInThePlane95 = 2.4477;    ///< sqrt of chi-square's 95 % point of 2 degrees
+constexpr double kLongest_months = 1200.0;  ///< beyond which no date is told
 
 /// Months until a beacon may have left the tolerance.
 double months_within(const DeploymentBeacon& b, double tolerance_m, double drift_m_per_month) {
@@ -58,7 +57,7 @@ std::optional<CalibrationDue> calibration_due(const Deployment& d) {
       due.beacon = b.name;
     }
   if (!(months <= kLongest_months)) return std::nullopt;
-  due.at_s = *created_s + static_cast<std::int64_t>(months * kSecondsOfAMonth);
+  due.at_s = *created_s + static_cast<std::int64_t>(months * kSecondsAMonth);
   return due;
 }
 

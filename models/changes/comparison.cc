@@ -240,7 +240,6 @@ Eigen::MatrixXd released_covariance(const KnownParameters& known, const Released
 }
 
 double months_between(const std::string& before, const std::string& now) {
-  constexpr double kSecondsAMonth = 86400 * 30.44;
   const auto a = utc_seconds(before), b = utc_seconds(now);
   return a && b ? std::max(0.0, static_cast<double>(*b - *a) / kSecondsAMonth) : 0.0;
 }

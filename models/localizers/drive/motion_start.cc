@@ -23,16 +23,15 @@ Trajectory standing(const Trajectory& t, const Segment& segment, std::size_t fir
   Trajectory piece = standing_at(
       t, {.time_s = 0.5 * (t.nodes[first].time_s + t.nodes[last - 1].time_s), .T_map_vehicle = {}});
   piece.T_hear_send = t.T_hear_send;
-  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
-    if (t.arrivals[i].node < first || t.arrivals[i].node >= last) continue;
-    piece.arrivals.push_back(t.arrivals[i]);
-    piece.arrivals.back().node = 0;
-  }
-  for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
-    if (t.bearings[i].node < first || t.bearings[i].node >= last) continue;
-    piece.bearings.push_back(t.bearings[i]);
-    piece.bearings.back().node = 0;
-  }
+  const auto copy = [first, last](const auto& list, std::size_t begin, std::size_t end, auto& to) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (list[i].node < first || list[i].node >= last) continue;
+      to.push_back(list[i]);
+      to.back().node = 0;
+    }
+  };
+  copy(t.arrivals, segment.first_arrival, segment.last_arrival, piece.arrivals);
+  copy(t.bearings, segment.first_bearing, segment.last_bearing, piece.bearings);
   set_only_segment(piece);
   return piece;
 }

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "models/localizers/kleeman/kleeman_work.h"
-#include "models/physics/attenuation.h"
+#include "models/physics/range.h"
 
 namespace octant {
 namespace {
@@ -53,8 +53,7 @@ void Kleeman::gather(std::span<const Arrival> arrivals, double scale) noexcept {
     if (deployment_.attenuation && deployment_.attenuation->measures(a.amplitude_v)) {
       const AttenuationModel& model = *deployment_.attenuation;
       const double share = std::min(model.threshold_v / a.amplitude_v, kMostMeasuredShare);
-      h.time_m +=
-          w.speed_mps * model.rise_time_s * std::log1p(-share);  // the walk, at the amplitude measured
+      h.time_m -= w.speed_mps * walk_of_share_s(share, model);  // at the amplitude measured
       const double spread_m =
           w.speed_mps * walk_by_log_amplitude_s(a.amplitude_v, model) * noise.amplitude_relative_sigma;
       variance_m2 += spread_m * spread_m;
@@ -73,7 +72,7 @@ void Kleeman::subtract_walk(HeardDistance& h, double distance_m, double log_dire
   const double amplitude =
       amplitude_v(std::max(distance_m, kMinPassDistance_m), model) * std::exp(log_directivity);
   const double share = std::min(model.threshold_v / amplitude, kMaxPassShare);
-  h.slant_m = h.time_m + work_->speed_mps * model.rise_time_s * std::log1p(-share);
+  h.slant_m = h.time_m - work_->speed_mps * walk_of_share_s(share, model);
 }
 
 /// First pass: the first arrival of each beacon, the array a point. The first is the first that another one

@@ -25,9 +25,7 @@ bool PulseSync::completes_double(const PulseArrival& second, double& first_s) co
     return std::abs(p.duration_s - s.pulse_s) <= options_.pulse_tolerance * s.pulse_s;
   };
   if (!right_length(second)) return false;
-  const auto c = static_cast<std::size_t>(second.channel);
-  for (int i = 0; i < std::min(remembered_[c], kRemembered); ++i) {
-    const PulseArrival& first = past_[c][static_cast<std::size_t>(i)];
+  for (const PulseArrival& first : past(static_cast<std::size_t>(second.channel))) {
     if (!right_length(first) ||
         std::abs(second.time_s - first.time_s - s.double_s) > options_.double_tolerance_s)
       continue;
@@ -59,8 +57,7 @@ bool PulseSync::credible(const Signature& signature) const noexcept {
   double before_v = 0.0, amplitude_v = 0.0;
   for (std::size_t c = 0; c < kChannels; ++c) {
     bool here = false;
-    for (int i = 0; i < std::min(remembered_[c], kRemembered); ++i) {
-      const PulseArrival& p = past_[c][static_cast<std::size_t>(i)];
+    for (const PulseArrival& p : past(c)) {
       if (std::abs(p.time_s - signature.time_s) <= kArrayFlight_s) {
         here = true;
         amplitude_v = std::max(amplitude_v, p.amplitude_v);
@@ -103,8 +100,7 @@ void PulseSync::synchronise(double first_s) noexcept {
   heard_slot_.fill(0);
   for (std::size_t c = 0; c < kChannels; ++c) {  // beacon 0's arrivals have gone by, one a channel
     const PulseArrival* earliest = nullptr;
-    for (int i = 0; i < std::min(remembered_[c], kRemembered); ++i) {
-      const PulseArrival& p = past_[c][static_cast<std::size_t>(i)];
+    for (const PulseArrival& p : past(c)) {
       if (std::abs(p.time_s - first_s) <= kArrayFlight_s &&
           (earliest == nullptr || p.time_s < earliest->time_s))
         earliest = &p;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -74,6 +75,11 @@ class PulseSync {
   };
   static constexpr int kRemembered = 8;
 
+  /// The last pulses of a channel, in no order.
+  [[nodiscard]] std::span<const PulseArrival> past(std::size_t channel) const noexcept {
+    return std::span(past_[channel])
+        .first(static_cast<std::size_t>(std::min(remembered_[channel], kRemembered)));
+  }
   [[nodiscard]] bool completes_double(const PulseArrival& pulse, double& first_s) const noexcept;
   [[nodiscard]] bool credible(const Signature& signature) const noexcept;
   static void count(double first_s, Signature& signature) noexcept;

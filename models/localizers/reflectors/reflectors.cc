@@ -19,9 +19,8 @@ namespace {
 constexpr double kSmallestSigma_rad = 1e-9;  // stands in where no noise is stated
 constexpr double kSmallestSight_m = 1e-6;
 constexpr int kResectionSteps = 20, kRematches = 4;
-constexpr double kSameSigmas = 5.0;                 // hypotheses closer than this are one pose
-constexpr double kNear_m = 0.3, kNear_rad = 0.1;    // nearly one pose, to be adjusted once
-constexpr double kTight_m = 0.5, kTight_rad = 0.3;  // a prediction that may stand in for a search
+constexpr double kSameSigmas = 5.0;               // hypotheses closer than this are one pose
+constexpr double kNear_m = 0.3, kNear_rad = 0.1;  // nearly one pose, to be adjusted once
 
 /// Derivative of a bearing by x, y, heading.
 Eigen::Vector3d by_pose(const Eigen::Vector2d& sight) {
@@ -231,7 +230,7 @@ void Reflectors::search(std::span<const Bearing> bearings) noexcept {
   std::array<std::size_t, kSearched> order{};
   std::size_t count = 0;
   bool all_explained = false;
-  if (prediction_ && prediction_->sigma_m < kTight_m && prediction_->sigma_rad < kTight_rad) {
+  if (prediction_ && prediction_->is_tight()) {
     Hypothesis seed{prediction_->pose, 0.0};
     Eigen::Matrix3d information;
     // The gate would lose bearings at a pose that is only predicted: widen it for the start.
@@ -366,8 +365,7 @@ FixStatus Reflectors::judge(std::span<const Bearing> bearings, Hypothesis& best,
     matched += match_[i] >= 0;
     named += match_[i] >= 0 && bearings[i].reflector.valid();
   }
-  const bool is_predicted = prediction_ && prediction_->sigma_m < kTight_m &&
-                            prediction_->sigma_rad < kTight_rad &&
+  const bool is_predicted = prediction_ && prediction_->is_tight() &&
                             prediction_->cost(best.pose, options_.gate_sigmas) < 0.5 * square(3.0);
   if (matched < 3 || (matched == 3 && named < 3 && !is_predicted)) return FixStatus::kNoConsensus;
   const Eigen::Matrix3d covariance = information.ldlt().solve(Eigen::Matrix3d::Identity());

@@ -76,6 +76,8 @@ class Reflectors : public Localizer {
     ResectedPose pose;
     double sigma_m = 0.0, sigma_rad = 0.0;
     [[nodiscard]] double cost(const ResectedPose& at, double gate_sigmas) const;
+    /// Whether it may stand in for a search.
+    [[nodiscard]] bool is_tight() const { return sigma_m < 0.5 && sigma_rad < 0.3; }
   };
   static constexpr std::size_t kBest = 8, kSearched = 12, kMaxBearings = 64;
 
