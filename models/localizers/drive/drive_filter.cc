@@ -29,7 +29,8 @@ template <int kDof>
 Eigen::Matrix<double, kDof, kDof> by_step(const Pose& T, const Pose& step) {
   Eigen::Matrix<double, kDof, kDof> F = Eigen::Matrix<double, kDof, kDof>::Identity();
   if constexpr (kDof == 3) {
-    F.template topRightCorner<2, 1>() = left_of((T.rotation * step.translation_m).head<2>());
+    F.template topRightCorner<2, 1>() =
+        left_of(Eigen::Rotation2Dd(T.heading_rad()) * step.translation_m.template head<2>());
   } else {
     F.template topRightCorner<3, 3>() = -T.rotation.toRotationMatrix() * skew(step.translation_m);
     F.template bottomRightCorner<3, 3>() = step.rotation.toRotationMatrix().transpose();

@@ -75,7 +75,7 @@ TEST(PairRanges, AFixBeginsBlankAndEndsCounted) {
   arrivals[0].epoch = 7;
   Fix fix;
   fix.protection_level_m = fix.cost = 3.0;
-  begin_fix(arrivals, fix);
+  begin_fix(std::span<const Arrival>(arrivals), fix);
   EXPECT_EQ(fix.time_s, 2.0);
   EXPECT_EQ(fix.epoch, 7);
   EXPECT_EQ(fix.vehicle, VehicleId(0));
