@@ -281,24 +281,29 @@ int motion_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) {
   return count;
 }
 
+void ChainSystem::clear(std::size_t count, int n) {
+  cost = 0.0;
+  D.assign(count, NodeBlock::Zero(n, n));
+  U.assign(count, NodeBlock::Zero(n, n));
+  g.assign(count, NodeVector::Zero(n));
+}
+
+void ChainSystem::add(const ObservationRow& row, std::size_t first_node, const RobustLoss& loss) {
+  const double w = weigh(row, loss, cost);
+  const std::size_t k = row.node - first_node;
+  D[k].noalias() += w * row.by_node.transpose() * row.by_node;
+  g[k].noalias() += w * row.residual * row.by_node.transpose();
+  if (!row.has_next) return;
+  D[k + 1].noalias() += w * row.by_next.transpose() * row.by_next;
+  g[k + 1].noalias() += w * row.residual * row.by_next.transpose();
+  U[k].noalias() += w * row.by_node.transpose() * row.by_next;
+}
+
 void build_chain_system(const Trajectory& t, const Segment& segment, const SharedState& state,
                         const RobustLoss& loss, ChainSystem& system) {
-  const std::size_t count = segment.last_node - segment.first_node;
-  const int n = t.block_size();
-  system.cost = 0.0;
-  system.D.assign(count, NodeBlock::Zero(n, n));
-  system.U.assign(count, NodeBlock::Zero(n, n));
-  system.g.assign(count, NodeVector::Zero(n));
-  for_each_row(t, segment, state, [&](const ObservationRow& row) {
-    const double w = weigh(row, loss, system.cost);
-    const std::size_t k = row.node - segment.first_node;
-    system.D[k].noalias() += w * row.by_node.transpose() * row.by_node;
-    system.g[k].noalias() += w * row.residual * row.by_node.transpose();
-    if (!row.has_next) return;
-    system.D[k + 1].noalias() += w * row.by_next.transpose() * row.by_next;
-    system.g[k + 1].noalias() += w * row.residual * row.by_next.transpose();
-    system.U[k].noalias() += w * row.by_node.transpose() * row.by_next;
-  });
+  system.clear(segment.last_node - segment.first_node, t.block_size());
+  for_each_row(t, segment, state,
+               [&](const ObservationRow& row) { system.add(row, segment.first_node, loss); });
 }
 
 double chain_cost(const Trajectory& t, const Segment& segment, const SharedState& state,

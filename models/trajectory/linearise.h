@@ -119,6 +119,11 @@ struct ChainSystem {
   double cost = 0.0;
   std::pmr::vector<NodeBlock> D{scratch()}, U{scratch()};
   std::pmr::vector<NodeVector> g{scratch()};
+
+  /// Zero, for so many states of n unknowns.
+  void clear(std::size_t count, int n);
+  /// @param first_node  whose blocks stand first
+  void add(const ObservationRow& row, std::size_t first_node, const RobustLoss& loss);
 };
 void build_chain_system(const Trajectory& trajectory, const Segment& segment, const SharedState& state,
                         const RobustLoss& loss, ChainSystem& system);

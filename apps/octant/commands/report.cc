@@ -143,15 +143,13 @@ void add_report(CLI::App& app, CommonOptions& common, Action& action) {
              "Sheets to print: each beacon with coordinates, delay and a QR code");
   add_option(*command, "--certificate", args->certificate, "C.html",
              "Calibration record with what ISO/IEC 17025 7.8 asks of one: .html or .md");
-  const auto certified = [&](const char* name, std::string& value, const char* help) {
-    add_option(*command, name, value, "TEXT", help);
-  };
-  certified("--certificate-number", args->certified.number,
-            "Its number; by default of the site and the digest");
-  certified("--organisation", args->certified.organisation, "Who calibrated: name and address");
-  certified("--operator", args->certified.operator_name, "Who did it");
-  certified("--customer", args->certified.customer, "For whom");
-  certified("--place", args->certified.place, "Where");
+  add_option(*command, "--certificate-number", args->certified.number, "TEXT",
+             "Its number; by default of the site and the digest");
+  add_option(*command, "--organisation", args->certified.organisation, "TEXT",
+             "Who calibrated: name and address");
+  add_option(*command, "--operator", args->certified.operator_name, "TEXT", "Who did it");
+  add_option(*command, "--customer", args->certified.customer, "TEXT", "For whom");
+  add_option(*command, "--place", args->certified.place, "TEXT", "Where");
 }
 
 }  // namespace octant::app

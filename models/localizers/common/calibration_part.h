@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -48,6 +49,21 @@ class CalibrationPart {
     couple(receiver[3], row.by(kByDelay));
     couple(site_delay_, row.by(kByDelay));
     couple(speed_, row.by(kBySpeed));
+  }
+
+  /// Calls visit(column of C) for every calibrated parameter on which arrivals at a receiver, or bearings
+  /// (none) of a beacon may depend.
+  template <class Visitor>
+  void for_each_parameter(BeaconId beacon, ReceiverId receiver, Visitor&& visit) const {
+    const auto stated = [&visit](std::span<const int> columns) {
+      for (const int at : columns)
+        if (at >= 0) visit(at);
+    };
+    stated(beacon_[beacon.index()]);
+    if (!receiver.valid()) return;
+    stated(receiver_[receiver.index()]);
+    stated(attenuation_);
+    stated(std::array{site_delay_, speed_});
   }
 
  private:

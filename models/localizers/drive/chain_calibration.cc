@@ -10,60 +10,6 @@
 namespace octant {
 namespace {
 
-/// The rows that depend on shared parameters, and on which.
-struct CoupledRows {
-  struct Row {
-    std::size_t node = 0;  ///< of the segment
-    bool has_next = false;
-    NodeRow by_node, by_next;
-    std::size_t first = 0, last = 0;  ///< of `terms`
-    int pair = -1;
-    double by_delay = 0.0;
-  };
-  struct Term {
-    int column = 0;  ///< among those touched
-    double derivative = 0.0;
-  };
-  std::vector<Row> rows;
-  std::vector<Term> terms;
-  std::vector<int> touched;  ///< columns of C
-  std::vector<char> pairs;   ///< heard
-};
-
-CoupledRows coupled_rows(const Trajectory& t, const Segment& segment, const SharedState& state,
-                         const CalibrationPart& calibration) {
-  CoupledRows out;
-  std::vector<int> place(static_cast<std::size_t>(calibration.covariance().cols()), -1);
-  const std::size_t receivers = state.receiver_p_vehicle_m.size();
-  out.pairs.assign(state.beacon_p_map_m.size() * receivers, 0);
-  for_each_row(t, segment, state, [&](const ObservationRow& row) {
-    if (!row.has_shared) return;
-    CoupledRows::Row coupled{row.node - segment.first_node,
-                             row.has_next,
-                             row.by_node,
-                             row.by_next,
-                             out.terms.size(),
-                             0,
-                             -1,
-                             row.by(kByDelay)};
-    calibration.for_each_coupling(row, [&](int at, double derivative) {
-      int& where = place[static_cast<std::size_t>(at)];
-      if (where < 0) {
-        where = static_cast<int>(out.touched.size());
-        out.touched.push_back(at);
-      }
-      out.terms.push_back({where, derivative});
-    });
-    coupled.last = out.terms.size();
-    if (row.kind == RowKind::kTof) {
-      coupled.pair = static_cast<int>(row.beacon.index() * receivers + row.receiver.index());
-      out.pairs[static_cast<std::size_t>(coupled.pair)] = 1;
-    }
-    out.rows.push_back(coupled);
-  });
-  return out;
-}
-
 /// R with R R' = C of the parameters touched, from the eigenvectors of C with a unit diagonal: a parameter
 /// that is held has none.
 Eigen::MatrixXd root_of(const Eigen::MatrixXd& C, const std::vector<int>& touched) {
@@ -84,56 +30,46 @@ Eigen::MatrixXd root_of(const Eigen::MatrixXd& C, const std::vector<int>& touche
   return root.rightCols(n - zero);
 }
 
-void add_states(const std::pmr::vector<NodeVector>& x, const Segment& segment,
-                std::span<const DriveInstant> instants, std::vector<PoseCovariance>& covariances) {
-  for (std::size_t i = 0; i < instants.size(); ++i) {
-    const NodeVector at = at_instant(x, segment, instants[i], static_cast<int>(covariances[i].rows()));
-    covariances[i] += at * at.transpose();
-  }
-}
-
 }  // namespace
 
-NodeVector at_instant(std::span<const NodeVector> x, const Segment& segment, const DriveInstant& instant,
-                      int dof) {
-  const std::size_t k = instant.node - segment.first_node;
-  const double alpha = k + 1 < x.size() ? instant.alpha : 0.0;
-  NodeVector at = (1.0 - alpha) * x[k].head(dof);
-  if (alpha > 0.0) at += alpha * x[k + 1].head(dof);
-  return at;
+CalibrationErrors::CalibrationErrors(const Trajectory& t, const Segment& segment, std::size_t receivers,
+                                     const CalibrationPart& calibration, double pair_sigma_s)
+    : calibration_(calibration),
+      receivers_(receivers),
+      pair_sigma_s_(pair_sigma_s),
+      place_(static_cast<std::size_t>(calibration.covariance().cols()), -1) {
+  std::vector<int> touched;
+  const auto touch = [&](int at) {
+    int& place = place_[static_cast<std::size_t>(at)];
+    if (place >= 0) return;
+    place = static_cast<int>(touched.size());
+    touched.push_back(at);
+  };
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+    const ArrivalObservation& a = t.arrivals[i];
+    if (a.rejection != Rejection::kUsed) continue;
+    const std::size_t pair = pair_of(a.beacon, a.receiver);
+    if (pair >= pair_place_.size()) pair_place_.resize(pair + 1, -1);
+    if (pair_place_[pair] >= 0) continue;
+    pair_place_[pair] = static_cast<int>(pairs_++);
+    calibration.for_each_parameter(a.beacon, a.receiver, touch);
+  }
+  for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i)
+    if (t.bearings[i].rejection == Rejection::kUsed && t.bearings[i].reflector.valid())
+      calibration.for_each_parameter(t.bearings[i].reflector, ReceiverId(), touch);
+  if (!(pair_sigma_s > 0)) pairs_ = 0;
+  root_ = root_of(calibration.covariance(), touched);
 }
 
-void add_drive_calibration(const Trajectory& t, const Segment& segment, const SharedState& state,
-                           const ChainFactor& chain, const CalibrationPart& calibration, double pair_sigma_s,
-                           std::span<const DriveInstant> instants, std::vector<PoseCovariance>& covariances) {
-  if (calibration.covariance().size() == 0 && !(pair_sigma_s > 0)) return;
-  const CoupledRows coupled = coupled_rows(t, segment, state, calibration);
-  const NodeVector zero = NodeVector::Zero(t.block_size());
-  std::pmr::vector<NodeVector> x(chain.inverse.size(), zero, scratch());
-  const auto solve_and_add = [&](auto&& error_of) {
-    std::fill(x.begin(), x.end(), zero);
-    for (const CoupledRows::Row& row : coupled.rows) {
-      const double error = error_of(row);
-      if (error == 0.0) continue;
-      x[row.node] += error * row.by_node.transpose();
-      if (row.has_next) x[row.node + 1] += error * row.by_next.transpose();
-    }
-    chain.solve(x);
-    add_states(x, segment, instants, covariances);
-  };
-  const Eigen::MatrixXd root = root_of(calibration.covariance(), coupled.touched);
-  for (Eigen::Index k = 0; k < root.cols(); ++k)
-    solve_and_add([&](const CoupledRows::Row& row) {
-      double sum = 0.0;
-      for (std::size_t i = row.first; i < row.last; ++i)
-        sum += coupled.terms[i].derivative * root(coupled.terms[i].column, k);
-      return sum;
-    });
-  for (std::size_t pair = 0; pair_sigma_s > 0 && pair < coupled.pairs.size(); ++pair)
-    if (coupled.pairs[pair])
-      solve_and_add([&](const CoupledRows::Row& row) {
-        return row.pair == static_cast<int>(pair) ? row.by_delay * pair_sigma_s : 0.0;
-      });
+bool CalibrationErrors::of(const ObservationRow& row, Eigen::RowVectorXd& errors) const {
+  if (!row.has_shared) return false;
+  errors.setZero();
+  calibration_.for_each_coupling(row, [&](int at, double derivative) {
+    errors.head(root_.cols()) += derivative * root_.row(place_[static_cast<std::size_t>(at)]);
+  });
+  if (pairs_ > 0 && row.kind == RowKind::kTof)
+    errors[root_.cols() + pair_place_[pair_of(row.beacon, row.receiver)]] = row.by(kByDelay) * pair_sigma_s_;
+  return true;
 }
 
 void node_calibration(const Trajectory& t, const Segment& segment, const SharedState& state,

@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "models/fix.h"
-#include "models/localizers/drive/chain_calibration.h"
-#include "models/localizers/drive/chain_covariance.h"
+#include "models/localizers/drive/chain_windows.h"
 
 namespace octant {
 
@@ -17,17 +16,33 @@ namespace octant {
 ///   shift = -H_i^-1 g_i
 /// whatever those arrivals are off by, and for however long, the drive without them is not. Linear, from
 /// where the drive was solved: shifts count up to some decimetres.
-///
-/// 0 where the drive is lost without one of the beacons, or lies six sigmas off the drive without it: then
-/// that beacon, or those that were left, is at fault.
-/// @param trajectory  solved, no arrival marked kBeaconFault; rejections change on the way and are left as
-/// they were
-/// @param noise  covariance of the states by noise alone
-/// @param covariances  of the pose at each instant, calibration's part included: by as much as that widens
-/// the noise's, the drive without a beacon is widened too
-[[nodiscard]] std::vector<double> chain_protection(Trajectory& trajectory, const Segment& segment,
-                                                   const SharedState& state, const ChainCovariance& noise,
-                                                   std::span<const DriveInstant> instants,
-                                                   std::span<const PoseCovariance> covariances);
+class DriveSeparation {
+ public:
+  /// @param instants  in order of nodes; they and what follows outlive this
+  /// @param widened  by how much the calibration's part widens the variance at each instant: the drive
+  /// without a beacon is widened too
+  /// @param dof  of a pose
+  DriveSeparation(std::span<const DriveInstant> instants, const std::vector<double>& widened, int dof)
+      : instants_(instants),
+        widened_(widened),
+        dof_(dof),
+        worst_m_(instants.size()),
+        bounded_(instants.size(), 1) {}
+
+  /// The drive without a beacon, to be solved before levels are asked for.
+  [[nodiscard]] ChainVariant without(BeaconId beacon);
+
+  /// 0 where the drive lies six sigmas off that without one of the beacons: that one, or those that were
+  /// left, are at fault.
+  /// @param variance_m2  horizontal, of the drive with all its beacons
+  [[nodiscard]] double level_m(std::size_t instant, double variance_m2) const;
+
+ private:
+  std::span<const DriveInstant> instants_;
+  const std::vector<double>& widened_;
+  int dof_;
+  std::vector<double> worst_m_;
+  std::vector<char> bounded_;
+};
 
 }  // namespace octant

@@ -4,18 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "models/localizers/common/arrival_rejections.h"
 #include "models/localizers/common/calibration_part.h"
 #include "models/localizers/common/correlated_arrivals.h"
 #include "models/localizers/common/localizer.h"
 #include "models/localizers/common/trajectory_model.h"
-#include "models/localizers/drive/chain_calibration.h"
-#include "models/localizers/drive/chain_covariance.h"
-#include "models/localizers/drive/chain_protection.h"
 #include "models/localizers/drive/drive_filter.h"
 #include "models/localizers/drive/drive_start.h"
 #include "models/localizers/drive/drive_tracker.h"
+#include "models/localizers/drive/drive_uncertainty.h"
 #include "models/localizers/drive/motion_start.h"
 #include "models/localizers/drive/odometry_track.h"
 #include "models/localizers/drive/rigid_path.h"
@@ -179,30 +178,19 @@ bool track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& mo
                   const CalibrationPart& calibration, const TrackerOptions& options,
                   std::vector<Fix>& fixes) {
   if (!place_segment(t, segment, model, options) || !smooth_segment(t, segment, model, options)) return false;
-  const ChainFactor factor = factor_chain(t, segment, model.state);
-  const ChainCovariance chain = chain_covariance(factor);
   std::vector<DriveInstant> instants;
-  std::vector<PoseCovariance> covariances;
   const std::size_t before = fixes.size();
   for_each_instant(t, segment, [&](std::size_t first, std::size_t last) {
-    Fix fix = fix_at(t, first, last);
     const ArrivalObservation& a = t.arrivals[first];
-    fix.T_map_vehicle = pose_at(t, a.node, a.alpha);
-    fix.status = chain.ok ? FixStatus::kOk : FixStatus::kPoorGeometry;
     instants.push_back({a.node, a.alpha});
-    if (chain.ok)
-      covariances.emplace_back(chain.pose(a.node - segment.first_node, a.alpha, pose_dof(t.motion)));
-    fixes.push_back(fix);
+    Fix& fix = fixes.emplace_back(fix_at(t, first, last));
+    fix.T_map_vehicle = pose_at(t, a.node, a.alpha);
+    fix.status = FixStatus::kOk;
   });
-  if (!chain.ok) return true;
-  add_drive_calibration(t, segment, model.state, factor, calibration, model.correlated.pair_sigma_s, instants,
-                        covariances);
-  for (std::size_t i = 0; i < covariances.size(); ++i) fixes[before + i].covariance = covariances[i];
-  if (!options.protect || options.range_uncertainty_m > 0.0)
-    return true;  // beacons known roughly: nothing bounds them
-  const std::vector<double> levels_m =
-      chain_protection(t, segment, model.state, chain, instants, covariances);
-  for (std::size_t i = 0; i < levels_m.size(); ++i) fixes[before + i].protection_level_m = levels_m[i];
+  // Of beacons known roughly nothing bounds a fix.
+  const bool protect = options.protect && options.range_uncertainty_m == 0.0;
+  set_uncertainty(t, segment, model, calibration, {protect, options.threads}, instants,
+                  std::span(fixes).subspan(before));
   return true;
 }
 

@@ -13,11 +13,15 @@ namespace octant {
 namespace {
 
 constexpr double kBehindCost = 4.0;  ///< against: one in fifty direct arrivals
+/// Beyond the cosine within which a receiver hears: a heading that is not solved yet may put a beacon there.
+constexpr double kHearingMargin = 0.1;
 constexpr double kBearingCap = 6.0;
 const double kEarlyMore = std::log(20.0);              ///< early arrivals are so much rarer than late ones
 constexpr double kLateScale = 2.5, kEarlyScale = 3.5;  ///< of the Cauchy weights, in sigmas
 
-constexpr double kCoarseStep = 0.1;  ///< of the width, that is the last
+constexpr double kCoarseStep = 0.1;   ///< of the width, that is the last
+constexpr double kRise = 1.0;         ///< of the score, from which on a step was too long
+constexpr double kLongestTurn = 0.6;  ///< of a step [rad]
 
 double signed_square(double x) { return x * std::abs(x); }
 
@@ -63,8 +67,10 @@ Consensus::Consensus(const SearchProblem& problem) : problem_(problem) {
     const double dz = r.p_lever_m.z() - r.p_beacon_map_m.z();
     geometry_.push_back({r.p_beacon_map_m.x(), r.p_beacon_map_m.y(), dz * dz, r.p_lever_m.x(),
                          r.p_lever_m.y(), r.range_m, r.axis.x(), r.axis.y(),
-                         r.axis.isZero(0.0) ? -2.0 : signed_square(r.hearing_cosine)});
+                         r.axis.isZero(0.0) ? -2.0 : signed_square(r.hearing_cosine - kHearingMargin),
+                         kBehindCost});
   }
+  if (problem.common_bias) share_behind_cost();
   inverse_variance_.resize(n);
   caps_.resize(n);
   for (auto* of_each : {&residual_, &behind_, &by_x_, &by_y_, &by_heading_}) of_each->resize(n);
@@ -72,6 +78,18 @@ Consensus::Consensus(const SearchProblem& problem) : problem_(problem) {
   bias_variance_.resize(problem.groups());
   group_caps_.resize(problem.groups());
   set_extra_sigma(0.0);
+}
+
+/// If one of the pings over a path is heard from behind, all are, which is to be paid for once.
+void Consensus::share_behind_cost() {
+  for (std::size_t group = 0; group < problem_.groups(); ++group)
+    for (std::size_t i = problem_.group_first[group]; i < problem_.group_first[group + 1]; ++i) {
+      const auto pings = std::count_if(
+          problem_.ranges.begin() + static_cast<std::ptrdiff_t>(problem_.group_first[group]),
+          problem_.ranges.begin() + static_cast<std::ptrdiff_t>(problem_.group_first[group + 1]),
+          [&](const SearchRange& r) { return r.p_lever_m == problem_.ranges[i].p_lever_m; });
+      geometry_[i].behind_cost /= static_cast<double>(pings);
+    }
 }
 
 Consensus::Caps Consensus::caps_for(double variance_m2) const {
@@ -108,7 +126,7 @@ void Consensus::set_extra_sigma(double extra_m) {
 
 void Consensus::set_residuals(const PlanarState& s, const PlanarTurn& heading, Part part) {
   const double cosine = heading.cosine, sine = heading.sine;
-  const double behind_cost = judge_shadows_ ? kBehindCost : 0.0;
+  const double judged = judge_shadows_ ? 1.0 : 0.0;
   for (std::size_t i = part.first; i < part.last; ++i) {
     const Geometry& r = geometry_[i];
     const double dx = s.x_m + cosine * r.lever_x_m - sine * r.lever_y_m - r.beacon_x_m;
@@ -118,7 +136,7 @@ void Consensus::set_residuals(const PlanarState& s, const PlanarTurn& heading, P
     const double towards =
         -(dx * (cosine * r.axis_x - sine * r.axis_y) + dy * (sine * r.axis_x + cosine * r.axis_y));
     // towards < cosine * distance by their squares: roots are what this loop costs.
-    behind_[i] = signed_square(towards) < r.hearing2 * flat2 ? behind_cost : 0.0;
+    behind_[i] = signed_square(towards) < r.hearing2 * flat2 ? judged * r.behind_cost : 0.0;
   }
 }
 
@@ -228,10 +246,10 @@ double Consensus::best_offset(const PlanarState& state) {
 
 /// Normal equations of one beacon's arrivals; its bias, where it has one, is eliminated by the Schur
 /// complement.
-void Consensus::add_group(std::size_t group, NormalEquations& eq) {
+double Consensus::add_group(std::size_t group, NormalEquations& eq) {
   bool direct = true;
-  static_cast<void>(group_cost(group, direct));
-  if (!direct) return;
+  const double cost = group_cost(group, direct);
+  if (!direct) return cost;
   const bool biased = bias_variance_[group] > 0;
   const std::size_t first = problem_.group_first[group], last = problem_.group_first[group + 1];
   const double centre = biased ? middle_residual(group) : 0.0;
@@ -249,6 +267,7 @@ void Consensus::add_group(std::size_t group, NormalEquations& eq) {
     bias_gradient += w * residual_[i];
   }
   if (biased) eq.add(-1.0 / bias_information, coupling, bias_gradient, problem_.has_offset);
+  return cost;
 }
 
 void Consensus::add_bearing(const SearchBearing& b, const PlanarState& s, const PlanarTurn& heading,
@@ -333,23 +352,40 @@ double Consensus::middle_misfit_m(const PlanarState& s) {
   return sorted_.empty() ? 0.0 : *middle;
 }
 
-Eigen::Matrix4d Consensus::refine(PlanarState& s, int iterations, std::size_t without_group) {
+Eigen::Matrix4d Consensus::refine(PlanarState& s, int iterations, std::size_t without_group,
+                                  Descent& descent) {
   NormalEquations eq;
+  Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
   PlanarTurn heading(s.heading_rad);
   const double least_m = std::max(1e-2 * problem_.median_sigma_m, kCoarseStep * extra_m_);
   const double least_rad =
       std::max(1e-4, kCoarseStep * extra_m_ /
                          (problem_.bearings.empty() ? std::max(problem_.lever_m, 1e-3) : problem_.span_m));
+  // A turn by a takes the end of a lever arm l off its tangent by l a^2 / 2: no further than three sigmas.
+  const double longest_turn = std::min(
+      kLongestTurn,
+      std::sqrt(6 * std::hypot(problem_.median_sigma_m, extra_m_) / std::max(problem_.lever_m, 1e-3)));
   for (int k = 0; k < iterations; ++k) {
     eq = NormalEquations();
     set_residuals(s, heading, all());
     set_rows(s, heading, all());
+    double cost = 0.0;
     for (std::size_t group = 0; group < problem_.groups(); ++group)
-      if (group != without_group) add_group(group, eq);
+      if (group != without_group) cost += add_group(group, eq);
+    if (cost > descent.score + kRise) {
+      const PlanarState& before = descent.state;
+      s = {0.5 * (s.x_m + before.x_m), 0.5 * (s.y_m + before.y_m),
+           wrap_angle(before.heading_rad + 0.5 * wrap_angle(s.heading_rad - before.heading_rad)),
+           0.5 * (s.offset_m + before.offset_m)};
+      heading = PlanarTurn(s.heading_rad);
+      continue;
+    }
+    descent = {s, cost};
     for (const SearchBearing& b : problem_.bearings) add_bearing(b, s, heading, eq);
+    information = eq.H;
     // A heading that nothing tells stays where it is; so does a position where all arrivals have lost their
     // weight.
-    Eigen::Matrix4d A = eq.H;
+    Eigen::Matrix4d A = information;
     A(2, 2) += kVagueAngle;
     A.diagonal().head<2>().array() += 1.0 / (problem_.span_m * problem_.span_m);
     A(3, 3) += 1e-12;
@@ -360,7 +396,7 @@ Eigen::Matrix4d Consensus::refine(PlanarState& s, int iterations, std::size_t wi
       solve_in_place<3>(A, step);
     if (!step.allFinite()) break;
     const double longest =
-        std::max({step.head<2>().norm() / (0.3 * problem_.span_m), std::abs(step[2]) / 0.6, 1.0});
+        std::max({step.head<2>().norm() / (0.3 * problem_.span_m), std::abs(step[2]) / longest_turn, 1.0});
     step /= longest;
     s.x_m += step[0];
     s.y_m += step[1];
@@ -369,7 +405,7 @@ Eigen::Matrix4d Consensus::refine(PlanarState& s, int iterations, std::size_t wi
     if (problem_.has_offset) s.offset_m += step[3];
     if (step.head<2>().norm() < least_m && std::abs(step[2]) < least_rad) break;
   }
-  return eq.H.selfadjointView<Eigen::Lower>();
+  return information.selfadjointView<Eigen::Lower>();
 }
 
 }  // namespace octant

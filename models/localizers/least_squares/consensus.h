@@ -49,7 +49,17 @@ class Consensus {
   /// Gauss-Newton with one-sided Cauchy weights from where the state is; without_group: a beacon left out.
   /// While arrivals are widened, a step by a tenth of that is the last. Returns the information matrix (x, y,
   /// heading, offset) of the last step, in units of the widened sigmas.
-  Eigen::Matrix4d refine(PlanarState& state, int iterations, std::size_t without_group = kNone);
+  /// A step that makes the score worse is taken back by half.
+  Eigen::Matrix4d refine(PlanarState& state, int iterations, std::size_t without_group = kNone) {
+    Descent descent;
+    return refine(state, iterations, without_group, descent);
+  }
+  /// Where the last step came from; lets one refinement go on where another ended.
+  struct Descent {
+    PlanarState state{};
+    double score = std::numeric_limits<double>::infinity();
+  };
+  Eigen::Matrix4d refine(PlanarState& state, int iterations, std::size_t without_group, Descent& descent);
 
   /// Offset that suits the arrivals at the state's pose: a median that echoes, which are late, do not pull
   /// far.
@@ -98,6 +108,7 @@ class Consensus {
   struct Geometry {
     double beacon_x_m, beacon_y_m, dz2_m2, lever_x_m, lever_y_m, range_m;
     double axis_x, axis_y, hearing2;  ///< cosine beyond which it hardly hears, squared with its sign
+    double behind_cost;               ///< of hearing from beyond that
   };
   struct NormalEquations;
   struct Part {
@@ -110,10 +121,11 @@ class Consensus {
   [[nodiscard]] double arrival_cost(std::size_t i, double residual) const;
   [[nodiscard]] double bearing_cost(const SearchBearing& b, const PlanarState& state,
                                     const PlanarTurn& heading) const;
-  void add_group(std::size_t group, NormalEquations& eq);
+  double add_group(std::size_t group, NormalEquations& eq);
   void add_bearing(const SearchBearing& b, const PlanarState& state, const PlanarTurn& heading,
                    NormalEquations& eq) const;
 
+  void share_behind_cost();
   [[nodiscard]] Caps caps_for(double variance_m2) const;
   /// Cost of the group by way of its middle residual, where its arrivals do not all agree.
   [[nodiscard]] double divided_group_cost(std::size_t group, double plain, bool& direct);

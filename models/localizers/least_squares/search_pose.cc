@@ -22,6 +22,7 @@ double distance2(const PlanarState& a, const PlanarState& b, const Eigen::Matrix
 }
 
 constexpr double kScoreMargin = 4.0;   ///< what a pose that is not solved yet may still gain, of its score
+constexpr double kBetterScore = 2.0;   ///< by so much less a pose is another than one that is near it
 constexpr double kShadowWidth = 30.0;  ///< from how many sigmas on a pose is solved without a beacon
 /// An outlier of fewer sigmas may bend the pose that it is held against; of more it cannot.
 constexpr double kOutlierSigmas = 3.5, kLargeSigmas = 50.0;
@@ -59,21 +60,33 @@ void enter(Consensus& consensus, const PlanarState& state, const Eigen::Matrix4d
   result.information.push_back(information);
 }
 
+/// Whether a state that is near a known pose explains no more than that, at the present width: where the
+/// known one has a beacon in a shadow, the pose that all beacons agree on may lie within the width of it.
+bool explains_no_more(Consensus& consensus, const PlanarState& state, const PlanarState& known) {
+  return consensus.score(state) > consensus.score(known) - kBetterScore;
+}
+
 /// The first few steps of a candidate: whether it comes to a pose that is not known, and not given up.
 bool leads_to_new(const SearchProblem& problem, Consensus& consensus, PlanarState& state,
                   const Refinement& refinement, const SearchResult& result) {
+  Consensus::Descent descent;
   for (int k = 0; k < 3; ++k) {
-    consensus.refine(state, 1);
+    consensus.refine(state, 1, Consensus::kNone, descent);
     for (const Candidate& known : result.poses)
-      if (is_near(known.state, state, refinement.width_m, problem.lever_m)) return false;
+      if (is_near(known.state, state, refinement.width_m, problem.lever_m) &&
+          explains_no_more(consensus, state, known.state))
+        return false;
   }
   return consensus.score(state) <= refinement.give_up;
 }
 
-/// Whether a state, narrowed down to the noise without a beacon, is within a sigma of a pose that is known.
-bool leads_back(const PlanarState& state, const SearchResult& result) {
+/// Whether a state, narrowed down to the noise without a beacon, is within a sigma of a pose that is known
+/// and explains no more than that: where the known one has a beacon in a shadow, little else may tell the two
+/// apart.
+bool leads_back(Consensus& consensus, const PlanarState& state, const SearchResult& result) {
   for (std::size_t i = 0; i < result.poses.size(); ++i)
-    if (distance2(result.poses[i].state, state, result.information[i]) < 1.0) return true;
+    if (distance2(result.poses[i].state, state, result.information[i]) < 1.0)
+      return explains_no_more(consensus, state, result.poses[i].state);
   return false;
 }
 
@@ -94,9 +107,10 @@ void refine_into(const SearchProblem& problem, Consensus& consensus, PlanarState
   consensus.set_extra_sigma(0.0);
   if (refinement.without_group != Consensus::kNone) {
     consensus.refine(state, 2, refinement.without_group);
-    if (bounded && leads_back(state, result)) return;
+    if (bounded && leads_back(consensus, state, result)) return;
     consensus.refine(state, 4, refinement.without_group);
-    if (bounded && (leads_back(state, result) || consensus.score(state) > refinement.give_up)) return;
+    if (bounded && (leads_back(consensus, state, result) || consensus.score(state) > refinement.give_up))
+      return;
   }
   const Eigen::Matrix4d information = consensus.refine(state, 10);
   enter(consensus, state, information, result);

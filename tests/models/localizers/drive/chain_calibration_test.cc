@@ -80,12 +80,19 @@ TEST(ChainCalibration, IsThatOfTheDenseInverse) {
       inverse *
       (w.G * w.d.covariance.matrix * w.G.transpose() + kPairSigma_s * kPairSigma_s * w.g * w.g.transpose()) *
       inverse;
-  const ChainFactor factor = factor_chain(w.t, w.segment(), w.state);
-  ASSERT_TRUE(factor.ok);
   const std::vector<DriveInstant> instants = {{0, 0.0}, {7, 0.0}, {40, 0.3}, {w.t.nodes.size() - 1, 0.0}};
   std::vector<PoseCovariance> added(instants.size(), PoseCovariance::Zero(3, 3));
-  add_drive_calibration(w.t, w.segment(), w.state, factor, CalibrationPart(w.d), kPairSigma_s, instants,
-                        added);
+  const CalibrationPart calibration(w.d);
+  const CalibrationErrors errors(w.t, w.segment(), w.d.receivers.size(), calibration, kPairSigma_s);
+  const ChainVariant all{BeaconId(), errors.columns(),
+                         [&](const ObservationRow& row, Eigen::RowVectorXd& e) { return errors.of(row, e); },
+                         [&](const ChainWindow& window) {
+                           for_each_instant(window, instants, [&](std::size_t i) {
+                             const ChainWindow::Matrix x = window.solution_at(instants[i], 3);
+                             added[i] += x * x.transpose();
+                           });
+                         }};
+  ASSERT_TRUE(solve_by_windows(w.t, w.segment(), w.state, std::span(&all, 1)).front());
   for (std::size_t i = 0; i < instants.size(); ++i) {
     Eigen::MatrixXd pick = Eigen::MatrixXd::Zero(3, P.cols());
     const auto at = 3 * static_cast<Eigen::Index>(instants[i].node);

@@ -10,7 +10,6 @@
 #include <Eigen/LU>
 
 #include "models/localizers/common/trajectory_model.h"
-#include "models/localizers/drive/chain_covariance.h"
 #include "tests/models/localizers/drive_world.h"
 #include "tests/models/localizers/hall.h"
 #include "tests/support/allocation_count.h"
@@ -137,39 +136,6 @@ TEST(Tracker, NothingToStartFrom) {
   for (const Fix& fix : fixes) EXPECT_FALSE(fix.ok());
   w.log.arrivals.clear();
   EXPECT_TRUE(track(w.log, d).empty());
-}
-
-/// The recursion against the one that is written independently for a single node, and against a dense
-/// inverse.
-TEST(ChainCovariance, AgreesWithTheSingleNodeAndTheDenseInverse) {
-  const Deployment d = with_octagon(hall());
-  const Drive w = drive(d, 10, 1e-5, 1.0, 37);
-  Trajectory t = make_trajectory(w.log, 0, VehicleId(0), trajectory_model(d));
-  const EpochFixModel model = epoch_fix_model(d);
-  ASSERT_TRUE(place_drive(t, model));
-  const ChainCovariance chain = chain_covariance(t, t.segments[0], model.state);
-  ASSERT_TRUE(chain.ok);
-  ChainSystem system;
-  build_chain_system(t, t.segments[0], model.state, {}, system);
-  const auto n = static_cast<Eigen::Index>(3 * system.D.size());
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
-  for (std::size_t k = 0; k < system.D.size(); ++k) {
-    const auto i = static_cast<Eigen::Index>(3 * k);
-    A.block<3, 3>(i, i) = system.D[k];
-    if (k + 1 == system.D.size()) break;
-    A.block<3, 3>(i, i + 3) = system.U[k];
-    A.block<3, 3>(i + 3, i) = system.U[k].transpose();
-  }
-  const Eigen::MatrixXd P = A.inverse();
-  for (const std::size_t k : {std::size_t{0}, std::size_t{57}, system.D.size() - 1}) {
-    const auto i = static_cast<Eigen::Index>(3 * k);
-    const Eigen::Matrix3d dense = P.block<3, 3>(i, i);
-    // A condition of 1e8 (short odometry steps) leaves eight digits.
-    EXPECT_LT((chain.marginal[k] - dense).norm(), 1e-6 * dense.norm()) << k;
-    EXPECT_LT((node_covariance(t, t.segments[0], k, model.state) - dense).norm(), 1e-6 * dense.norm()) << k;
-  }
-  const Eigen::Matrix3d cross = P.block<3, 3>(3 * 57, 3 * 58);
-  EXPECT_LT((chain.cross[57] - cross).norm(), 1e-6 * cross.norm());
 }
 
 /// The rows of a drive and its arrivals, in the order in which a robot gets them.

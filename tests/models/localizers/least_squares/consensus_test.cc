@@ -76,6 +76,22 @@ TEST(Consensus, AShadowedBeaconCostsItsCapOnce) {
   EXPECT_NEAR(consensus.score(truth), 3 * std::log(1.4 * kSpanM / kSigmaM), 1e-9);
 }
 
+/// Four pings that a receiver hears from behind are one oddity, not four; one at the edge of hearing is none.
+TEST(Consensus, HearingFromBehindIsPaidOnceAPath) {
+  const Eigen::Vector3d beacons[] = {{5, 0, 2.5}, {0, 5, 2.5}}, levers[] = {{0.1, 0, 0.3}};
+  SearchProblem once = test::search_problem_at({0, 0, 0, 0}, beacons, levers, kSigmaM);
+  for (SearchRange& r : once.ranges) r.hearing_cosine = 0.5;
+  once.ranges[0].axis = {-1, 0};
+  SearchProblem often = once;
+  often.ranges.insert(often.ranges.begin(), 3, once.ranges[0]);
+  often.group_first = {0, 4, 5};
+  const double behind = Consensus(once).score({0, 0, 0, 0});
+  EXPECT_GT(behind, 1.0);
+  EXPECT_NEAR(Consensus(often).score({0, 0, 0, 0}), behind, 1e-9);
+  once.ranges[0].axis = {std::cos(1.1), std::sin(1.1)};  // 63 degrees
+  EXPECT_NEAR(Consensus(once).score({0, 0, 0, 0}), 0.0, 1e-9);
+}
+
 TEST(Consensus, GivesUpAboveTheLimitAndNeverBelow) {
   std::mt19937_64 random(3);
   const SearchProblem problem = problem_at({4.0, 3.0, 0.7, 0.0}, 1.0, random);

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "models/support/scratch.h"
+#include "models/trajectory/linearise.h"
+
+namespace octant {
+
+/// The block-tridiagonal information matrix of a segment's states (diagonal D, upper U) in factors
+///   L_k = D_k - U_{k-1}' L_{k-1}^-1 U_{k-1}
+/// Shared parameters held, arrivals marked rejected left out. Of a segment that is long see chain_windows.h.
+struct ChainFactor {
+  bool ok = false;                                 ///< false: the observations do not determine the states
+  std::pmr::vector<NodeBlock> inverse{scratch()};  ///< L_k^-1
+  std::pmr::vector<NodeBlock> U{scratch()};
+
+  /// Overwrites the right-hand side, a vector or a block of columns a node, by the solution.
+  template <class Part>
+  void solve(std::pmr::vector<Part>& x) const {
+    for (std::size_t k = 1; k < x.size(); ++k) x[k] -= U[k - 1].transpose() * Part(inverse[k - 1] * x[k - 1]);
+    for (std::size_t k = x.size(); k-- > 0;) {
+      if (k + 1 < x.size()) x[k] -= U[k] * x[k + 1];
+      x[k] = Part(inverse[k] * x[k]);
+    }
+  }
+};
+[[nodiscard]] ChainFactor factor_chain(const Trajectory& trajectory, const Segment& segment,
+                                       const SharedState& state);
+
+/// Eliminates the first `count` states of a system: their L_k^-1. Where there are more states, the next one's
+/// diagonal block is what the eliminated ones leave of it.
+/// @return false: the observations do not determine one of them
+[[nodiscard]] bool eliminate_states(ChainSystem& system, std::size_t count,
+                                    std::pmr::vector<NodeBlock>& inverse);
+
+}  // namespace octant

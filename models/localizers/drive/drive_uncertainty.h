@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include "models/fix.h"
+#include "models/localizers/common/calibration_part.h"
+#include "models/localizers/drive/chain_windows.h"
+#include "models/localizers/least_squares/epoch_fix.h"
+#include "models/trajectory/trajectory.h"
+
+namespace octant {
+
+struct DriveUncertaintyOptions {
+  bool protect = false;  ///< protection levels (chain_protection.h)
+  int threads = 1;
+};
+
+/// Sets the covariances of a smoothed drive's fixes, calibration's part included (chain_calibration.h), and
+/// protection levels where they are asked for: 0 throughout a drive that is lost without one of its beacons.
+/// @param trajectory  solved
+/// @param instants  in order of nodes
+/// @param fixes  one for each instant; of poor geometry where the observations do not determine all states
+void set_uncertainty(const Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
+                     const CalibrationPart& calibration, const DriveUncertaintyOptions& options,
+                     std::span<const DriveInstant> instants, std::span<Fix> fixes);
+
+}  // namespace octant
