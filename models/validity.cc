@@ -87,8 +87,7 @@ double distance_from_area_m(const std::vector<Eigen::Vector2d>& area, const Eige
   return inside ? 0.0 : nearest_m;
 }
 
-OutsideValidity outside_validity(const Deployment& d, const MeasurementLog& run,
-                                 const std::vector<Fix>& fixes) {
+OutsideValidity outside_validity(const Deployment& d, const MeasurementLog& run, std::span<const Fix> fixes) {
   OutsideValidity out;
   check_temperature(d, run, out);
   const double margin_m = kAreaMargin * extent_m(d.validity_area_m);

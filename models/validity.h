@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,7 @@ struct OutsideValidity {
 };
 /// @param fixes  of this run; those that are none do not count
 [[nodiscard]] OutsideValidity outside_validity(const Deployment& deployment, const MeasurementLog& run,
-                                               const std::vector<Fix>& fixes);
+                                               std::span<const Fix> fixes);
 
 /// When a recalibration is due by the validity that the site states.
 struct CalibrationDue {

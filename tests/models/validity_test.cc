@@ -64,9 +64,9 @@ TEST(Validity, AnUnstatedTemperatureIsToldWhereItMatters) {
 TEST(Validity, FixesOutsideTheWidenedAreaAreCounted) {
   const Deployment d = ten_by_five();
   const double margin_m = kAreaMargin * std::hypot(10.0, 5.0);
-  const auto found = outside_validity(
-      d, run_at(20.0),
-      {fix_at(5, 2), fix_at(10 + 0.99 * margin_m, 2), fix_at(13, 9), fix_at(50, 50, FixStatus::kAmbiguous)});
+  const Fix fixes[] = {fix_at(5, 2), fix_at(10 + 0.99 * margin_m, 2), fix_at(13, 9),
+                       fix_at(50, 50, FixStatus::kAmbiguous)};
+  const auto found = outside_validity(d, run_at(20.0), fixes);
   EXPECT_EQ(found.fixes, 3u);
   EXPECT_EQ(found.outside, 1u);
   EXPECT_NEAR(found.farthest_m, 5.0, 1e-12) << "from the corner (10, 5): 3 and 4";

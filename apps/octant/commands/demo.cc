@@ -74,7 +74,7 @@ Result<Checked> localize_and_verify(const Places& at, Session& session) {
   if (!located) return fail(located.error());
   Checked checked{{}, *located};
   const Localization& found = checked.found;
-  const std::vector<Fix> fixes = found.all();
+  const std::vector<Fix>& fixes = found.fixes;
   if (auto written = io::write_file(at.fixes, io::fixes_to_tum(fixes)); !written)
     return fail(written.error());
   if (auto written = io::write_file(at.csv, io::fixes_to_csv(fixes, names_of(*deployment))); !written)

@@ -39,8 +39,8 @@ Result<void> write_outputs(const LocalizeArgs& args, const Deployment& deploymen
   return written;
 }
 
-void warn_of_fixes(const LocalizeArgs& args, const Localization& found, const std::vector<Fix>& fixes,
-                   Session& session) {
+void warn_of_fixes(const LocalizeArgs& args, const Localization& found, Session& session) {
+  const std::vector<Fix>& fixes = found.fixes;
   if (found.ok == 0) session.warn("there is not a single fix; is this the right deployment for the run?");
   const auto another = [&](const Fix& fix) { return fix.vehicle != fixes.front().vehicle; };
   if (args.output != "-" && std::any_of(fixes.begin(), fixes.end(), another))
@@ -98,10 +98,10 @@ int run(const LocalizeArgs& args, Session& session) {
   if (!located) return session.fail(located.error());
   const Localization& found = *located;
   if (interrupted()) return session.interrupted();
-  const std::vector<Fix> fixes = found.all();
-  warn_of_fixes(args, found, fixes, session);
+  warn_of_fixes(args, found, session);
   warn_outside_validity(*deployment, *runs, found, session);
-  if (auto written = write_outputs(args, *deployment, fixes); !written) return session.fail(written.error());
+  if (auto written = write_outputs(args, *deployment, found.fixes); !written)
+    return session.fail(written.error());
 
   const auto left_out = left_out_by_beacon(*deployment, *runs, found);
   session.result(fixes_text(found) + integrity_text(found) + left_out_text(left_out));

@@ -109,7 +109,7 @@ int run(const VerifyArgs& args, Session& session) {
   for (const auto& log : *runs) {
     if (!log.truth.empty()) continue;
     Localization none;
-    none.fixes.resize(runs->size());
+    none.run_ends.resize(runs->size());
     return session.fail(verify_fixes(*deployment, *runs, none).error());
   }
   const auto input = method_input(args.how, *deployment);

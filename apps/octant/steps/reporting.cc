@@ -76,9 +76,8 @@ void add_verification(survey::ReportInput& input, const Localization& localizati
                       const survey::Evaluation& evaluation) {
   input.evaluation = evaluation;
   std::vector<Eigen::Vector3d> places;
-  for (const auto& run : localization.fixes)
-    for (const Fix& fix : run)
-      if (fix.ok()) places.push_back(fix.T_map_vehicle.translation_m);
+  for (const Fix& fix : localization.fixes)
+    if (fix.ok()) places.push_back(fix.T_map_vehicle.translation_m);
   input.plan.fixes_m = survey::thinned(places);
 }
 

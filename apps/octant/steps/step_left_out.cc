@@ -15,11 +15,11 @@ std::vector<LeftOutOfBeacon> left_out_by_beacon(const Deployment& deployment,
                                                 const Localization& localization) {
   std::vector<LeftOutOfBeacon> beacons;
   for (const DeploymentBeacon& b : deployment.beacons) beacons.push_back({b.name});
-  for (std::size_t r = 0; r < std::min(runs.size(), localization.fixes.size()); ++r) {
+  for (std::size_t r = 0; r < std::min(runs.size(), localization.run_ends.size()); ++r) {
     std::map<std::pair<std::int64_t, VehicleId>, std::vector<BeaconId>> heard;
     for (const Arrival& a : runs[r].arrivals)
       if (a.epoch != kNoEpoch) heard[{a.epoch, a.vehicle}].push_back(a.beacon);
-    for (const Fix& fix : localization.fixes[r]) {
+    for (const Fix& fix : localization.of_run(r)) {
       const auto at = heard.find({fix.epoch, fix.vehicle});
       if (!fix.ok() || at == heard.end() || at->second.size() != fix.rejections.size()) continue;
       for (std::size_t i = 0; i < fix.rejections.size(); ++i) {

@@ -30,10 +30,19 @@ Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& fo
   return runs;
 }
 
-std::vector<Fix> Localization::all() const {
-  std::vector<Fix> together;
-  for (const auto& run : fixes) together.insert(together.end(), run.begin(), run.end());
-  return together;
+void Localization::add_run(std::vector<Fix> fixes_of_run) {
+  if (fixes.empty()) {  // of a single long drive they are most of what memory holds
+    fixes = std::move(fixes_of_run);
+  } else {
+    fixes.insert(fixes.end(), std::make_move_iterator(fixes_of_run.begin()),
+                 std::make_move_iterator(fixes_of_run.end()));
+  }
+  run_ends.push_back(fixes.size());
+}
+
+std::span<const Fix> Localization::of_run(std::size_t run) const {
+  const std::size_t first = run == 0 ? 0 : run_ends[run - 1];
+  return std::span(fixes).subspan(first, run_ends[run] - first);
 }
 
 namespace {
@@ -68,7 +77,7 @@ Result<Localization> localize_runs(const Deployment& deployment, const std::vect
                                                       : fmt::format("method {}: {}", name, error.found);
         return fail(std::move(error));
       }
-      result.fixes.push_back(std::move(*fixes));
+      result.add_run(std::move(*fixes));
     }
     const std::string name = to_string(choice.method);
     if (result.method.find(name) == std::string::npos) {
@@ -79,7 +88,7 @@ Result<Localization> localize_runs(const Deployment& deployment, const std::vect
         result.no_levels += fmt::format("{}{}: {}", result.no_levels.empty() ? "" : "; ", name, why);
     }
     result.rejected += run.rejected.size();
-    for (const Fix& fix : result.fixes.back()) {
+    for (const Fix& fix : result.of_run(result.run_ends.size() - 1)) {
       ++(fix.ok() ? result.ok : result.no_fix);
       if (!fix.ok()) ++result.no_fix_reasons[to_string(fix.status)];
       if (integrity(fix) == Integrity::kDegraded) ++result.degraded_reasons[integrity_reason(fix)];
@@ -143,10 +152,10 @@ Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std:
     }
     survey::ReferencedRun run{{}, runs[i].truth, runs[i].truth_accuracy};
     // truth.tum follows one vehicle; the others of the run have no reference.
-    std::copy_if(localization.fixes[i].begin(), localization.fixes[i].end(), std::back_inserter(run.fixes),
-                 [&](const Fix& fix) {
-                   return !runs[i].vehicle.valid() || !fix.vehicle.valid() || fix.vehicle == runs[i].vehicle;
-                 });
+    const std::span<const Fix> fixes = localization.of_run(i);
+    std::copy_if(fixes.begin(), fixes.end(), std::back_inserter(run.fixes), [&](const Fix& fix) {
+      return !runs[i].vehicle.valid() || !fix.vehicle.valid() || fix.vehicle == runs[i].vehicle;
+    });
     referenced.push_back(std::move(run));
   }
   return survey::evaluate(referenced, deployment.motion, deployment.tolerance);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -86,11 +87,12 @@ void warn_if_contradicted(const Deployment& deployment, const std::string& path,
 [[nodiscard]] std::string calibration_text(const Calibration& calibration);
 [[nodiscard]] std::string reliability_text(const Calibration& calibration);
 
-/// Fixes of some recordings, one list for each.
+/// Fixes of some recordings.
 struct Localization {
-  std::vector<std::vector<Fix>> fixes;
-  std::string method;  ///< as used; joined by '+' where recordings differ
-  std::string why;     ///< of Method::kAuto: why these
+  std::vector<Fix> fixes;             ///< of all runs, one run after the other
+  std::vector<std::size_t> run_ends;  ///< up to where those of each run are
+  std::string method;                 ///< as used; joined by '+' where recordings differ
+  std::string why;                    ///< of Method::kAuto: why these
   std::size_t ok = 0, no_fix = 0, arrivals = 0, rejected = 0;
   std::map<std::string, std::size_t> no_fix_reasons;
   std::map<std::string, std::size_t> degraded_reasons;  ///< of fixes whose error nothing bounds
@@ -98,7 +100,8 @@ struct Localization {
   /// Of each run at an unknown temperature; none where the temperature is known or the method takes no
   /// arrivals one by one.
   std::vector<std::optional<RunSpeed>> speeds;
-  [[nodiscard]] std::vector<Fix> all() const;
+  void add_run(std::vector<Fix> fixes_of_run);
+  [[nodiscard]] std::span<const Fix> of_run(std::size_t run) const;
   [[nodiscard]] std::size_t degraded() const;  ///< of the fixes that are ok
 };
 /// How many fixes have an error that is bounded, and why the others do not: a line, an object.

@@ -63,7 +63,7 @@ std::string agreement_words(const std::optional<RunSpeed>& speed) {
 void warn_outside_validity(const Deployment& d, const std::vector<MeasurementLog>& runs,
                            const Localization& found, Session& session) {
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    const OutsideValidity outside = outside_validity(d, runs[i], found.fixes[i]);
+    const OutsideValidity outside = outside_validity(d, runs[i], found.of_run(i));
     const auto& speed = found.speeds[i];
     if (speed && speed->differs()) {
       session.warn(speed_words(runs[i].path, *speed, outside.reference_assumed));

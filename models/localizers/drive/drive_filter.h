@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "models/localizers/chain/chain_calibration.h"
 #include "models/localizers/common/calibration_part.h"
-#include "models/localizers/drive/chain_calibration.h"
 #include "models/localizers/least_squares/epoch_fix.h"
 #include "models/physics/measurement.h"
 

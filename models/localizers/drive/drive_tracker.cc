@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/localizers/chain/chain_calibration.h"
 #include "models/localizers/common/arrival_rejections.h"
 #include "models/localizers/common/calibration_part.h"
 #include "models/localizers/common/trajectory_model.h"
 #include "models/localizers/drive/beacon_bank.h"
-#include "models/localizers/drive/chain_calibration.h"
 #include "models/localizers/drive/drive_filter.h"
 #include "models/localizers/drive/drive_start.h"
 #include "models/support/scratch.h"

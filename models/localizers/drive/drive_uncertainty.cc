@@ -6,9 +6,9 @@
 #include <set>
 #include <vector>
 
+#include "models/localizers/chain/chain_calibration.h"
+#include "models/localizers/chain/chain_protection.h"
 #include "models/localizers/common/separation.h"
-#include "models/localizers/drive/chain_calibration.h"
-#include "models/localizers/drive/chain_protection.h"
 
 namespace octant {
 

@@ -5,8 +5,8 @@
 #include <span>
 
 #include "models/fix.h"
+#include "models/localizers/chain/chain_windows.h"
 #include "models/localizers/common/calibration_part.h"
-#include "models/localizers/drive/chain_windows.h"
 #include "models/localizers/least_squares/epoch_fix.h"
 #include "models/trajectory/trajectory.h"
 

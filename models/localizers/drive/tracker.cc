@@ -179,10 +179,13 @@ bool track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& mo
                   std::vector<Fix>& fixes) {
   if (!place_segment(t, segment, model, options) || !smooth_segment(t, segment, model, options)) return false;
   std::vector<DriveInstant> instants;
+  for_each_instant(t, segment, [&](std::size_t first, std::size_t) {
+    instants.push_back({t.arrivals[first].node, t.arrivals[first].alpha});
+  });
   const std::size_t before = fixes.size();
+  if (instants.size() > before) fixes.reserve(before + instants.size());  // a long drive has no room to spare
   for_each_instant(t, segment, [&](std::size_t first, std::size_t last) {
     const ArrivalObservation& a = t.arrivals[first];
-    instants.push_back({a.node, a.alpha});
     Fix& fix = fixes.emplace_back(fix_at(t, first, last));
     fix.T_map_vehicle = pose_at(t, a.node, a.alpha);
     fix.status = FixStatus::kOk;

@@ -19,13 +19,13 @@ Result<void> kleeman_fits(const Deployment& d) {
     return bad_input("kleeman: the deployment's motion is spatial", "planar motion");
   if (d.timing.ranging != Ranging::kOneWay)
     return bad_input("kleeman: the deployment's ranging is two_way", "one_way");
+  const auto deployment_has = [](std::size_t count, const char* what) {
+    return std::string("kleeman: the deployment has ").append(std::to_string(count)).append(what);
+  };
   if (d.beacons.size() > kKleemanBeacons)
-    return bad_input("kleeman: the deployment has " + std::to_string(d.beacons.size()) + " beacons",
-                     "16 at most");
+    return bad_input(deployment_has(d.beacons.size(), " beacons"), "16 at most");
   const std::size_t usable = usable_beacons(d);
-  if (usable < 3)
-    return bad_input("kleeman: the deployment has " + std::to_string(usable) + " usable beacons",
-                     "3 or more");
+  if (usable < 3) return bad_input(deployment_has(usable, " usable beacons"), "3 or more");
   if (d.receivers.empty() || d.vehicles.empty())
     return bad_input("kleeman: the deployment has no receiver", "a vehicle with one");
   return {};

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "models/physics/pose.h"
-#include "models/support/small_cholesky.h"
 
 namespace octant {
 namespace {
@@ -25,40 +24,7 @@ constexpr double kLongestTurn = 0.6;  ///< of a step [rad]
 
 double signed_square(double x) { return x * std::abs(x); }
 
-/// Solves A x = b for the first N unknowns; numbers that are none where A is not positive definite.
-template <int N>
-void solve_in_place(const Eigen::Matrix4d& A, Eigen::Vector4d& b) {
-  SmallCholesky<N> factor;
-  static_cast<void>(factor.factor(A));
-  factor.forward(b);
-  factor.backward(b);
-}
-
 }  // namespace
-
-/// Of x, y, heading and offset.
-struct Consensus::NormalEquations {
-  Eigen::Matrix4d H = Eigen::Matrix4d::Zero();
-  Eigen::Vector4d g = Eigen::Vector4d::Zero();
-
-  /// Into the lower triangle; the offset's row only where there is one.
-  void add(double w, const double (&row)[4], double residual, bool has_offset) {
-    const double x = w * row[0], y = w * row[1], heading = w * row[2];
-    g[0] += x * residual;
-    g[1] += y * residual;
-    g[2] += heading * residual;
-    H(0, 0) += x * row[0];
-    H(1, 0) += y * row[0];
-    H(1, 1) += y * row[1];
-    H(2, 0) += heading * row[0];
-    H(2, 1) += heading * row[1];
-    H(2, 2) += heading * row[2];
-    if (!has_offset) return;
-    const double offset = w * row[3];
-    g[3] += offset * residual;
-    for (int p = 0; p < 4; ++p) H(3, p) += offset * row[p];
-  }
-};
 
 Consensus::Consensus(const SearchProblem& problem) : problem_(problem) {
   const std::size_t n = problem.ranges.size();
@@ -246,7 +212,7 @@ double Consensus::best_offset(const PlanarState& state) {
 
 /// Normal equations of one beacon's arrivals; its bias, where it has one, is eliminated by the Schur
 /// complement.
-double Consensus::add_group(std::size_t group, NormalEquations& eq) {
+double Consensus::add_group(std::size_t group, PoseEquations& eq) {
   bool direct = true;
   const double cost = group_cost(group, direct);
   if (!direct) return cost;
@@ -271,7 +237,7 @@ double Consensus::add_group(std::size_t group, NormalEquations& eq) {
 }
 
 void Consensus::add_bearing(const SearchBearing& b, const PlanarState& s, const PlanarTurn& heading,
-                            NormalEquations& eq) const {
+                            PoseEquations& eq) const {
   const double cosine = heading.cosine, sine = heading.sine;
   const double lx = cosine * b.p_lever_m.x() - sine * b.p_lever_m.y(),
                ly = sine * b.p_lever_m.x() + cosine * b.p_lever_m.y();
@@ -354,7 +320,7 @@ double Consensus::middle_misfit_m(const PlanarState& s) {
 
 Eigen::Matrix4d Consensus::refine(PlanarState& s, int iterations, std::size_t without_group,
                                   Descent& descent) {
-  NormalEquations eq;
+  PoseEquations eq;
   Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
   PlanarTurn heading(s.heading_rad);
   const double least_m = std::max(1e-2 * problem_.median_sigma_m, kCoarseStep * extra_m_);
@@ -366,7 +332,7 @@ Eigen::Matrix4d Consensus::refine(PlanarState& s, int iterations, std::size_t wi
       kLongestTurn,
       std::sqrt(6 * std::hypot(problem_.median_sigma_m, extra_m_) / std::max(problem_.lever_m, 1e-3)));
   for (int k = 0; k < iterations; ++k) {
-    eq = NormalEquations();
+    eq = PoseEquations();
     set_residuals(s, heading, all());
     set_rows(s, heading, all());
     double cost = 0.0;
@@ -383,17 +349,7 @@ Eigen::Matrix4d Consensus::refine(PlanarState& s, int iterations, std::size_t wi
     descent = {s, cost};
     for (const SearchBearing& b : problem_.bearings) add_bearing(b, s, heading, eq);
     information = eq.H;
-    // A heading that nothing tells stays where it is; so does a position where all arrivals have lost their
-    // weight.
-    Eigen::Matrix4d A = information;
-    A(2, 2) += kVagueAngle;
-    A.diagonal().head<2>().array() += 1.0 / (problem_.span_m * problem_.span_m);
-    A(3, 3) += 1e-12;
-    Eigen::Vector4d step = eq.g;
-    if (problem_.has_offset)
-      solve_in_place<4>(A, step);
-    else
-      solve_in_place<3>(A, step);
+    Eigen::Vector4d step = eq.step(problem_.span_m, problem_.has_offset);
     if (!step.allFinite()) break;
     const double longest =
         std::max({step.head<2>().norm() / (0.3 * problem_.span_m), std::abs(step[2]) / longest_turn, 1.0});

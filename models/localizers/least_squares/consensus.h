@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "models/localizers/least_squares/search_problem.h"
+#include "models/physics/pose_equations.h"
 #include "models/trajectory/planar.h"
 
 namespace octant {
@@ -110,7 +111,6 @@ class Consensus {
     double axis_x, axis_y, hearing2;  ///< cosine beyond which it hardly hears, squared with its sign
     double behind_cost;               ///< of hearing from beyond that
   };
-  struct NormalEquations;
   struct Part {
     std::size_t first, last;
   };
@@ -121,9 +121,9 @@ class Consensus {
   [[nodiscard]] double arrival_cost(std::size_t i, double residual) const;
   [[nodiscard]] double bearing_cost(const SearchBearing& b, const PlanarState& state,
                                     const PlanarTurn& heading) const;
-  double add_group(std::size_t group, NormalEquations& eq);
+  double add_group(std::size_t group, PoseEquations& eq);
   void add_bearing(const SearchBearing& b, const PlanarState& state, const PlanarTurn& heading,
-                   NormalEquations& eq) const;
+                   PoseEquations& eq) const;
 
   void share_behind_cost();
   [[nodiscard]] Caps caps_for(double variance_m2) const;

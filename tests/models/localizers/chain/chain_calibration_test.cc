@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "models/localizers/drive/chain_calibration.h"
+#include "models/localizers/chain/chain_calibration.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Dense>

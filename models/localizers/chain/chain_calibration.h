@@ -6,9 +6,9 @@
 
 #include <Eigen/Core>
 
+#include "models/localizers/chain/chain_factor.h"
+#include "models/localizers/chain/chain_windows.h"
 #include "models/localizers/common/calibration_part.h"
-#include "models/localizers/drive/chain_factor.h"
-#include "models/localizers/drive/chain_windows.h"
 
 namespace octant {
 

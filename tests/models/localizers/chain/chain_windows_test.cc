@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // A chain solved window by window against a dense inverse of all its states at once, and against the
 // recursion that is written independently for a single node.
-#include "models/localizers/drive/chain_windows.h"
+#include "models/localizers/chain/chain_windows.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
 
+#include "models/localizers/chain/chain_factor.h"
 #include "models/localizers/common/trajectory_model.h"
-#include "models/localizers/drive/chain_factor.h"
 #include "models/localizers/drive/tracker.h"
 #include "tests/models/localizers/drive_world.h"
 

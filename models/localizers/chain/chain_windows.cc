@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "models/localizers/drive/chain_windows.h"
+#include "models/localizers/chain/chain_windows.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "models/localizers/drive/chain_factor.h"
+#include "models/localizers/chain/chain_factor.h"
 #include "models/support/parallel.h"
 #include "models/trajectory/stretches.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "models/fix.h"
-#include "models/localizers/drive/chain_windows.h"
+#include "models/localizers/chain/chain_windows.h"
 
 namespace octant {
 
