@@ -47,6 +47,7 @@ void add_receivers(const Problem& problem, const Solution& solution, const Varia
     receiver.vehicle = given.vehicle;
     receiver.axis = given.axis;
     receiver.position_m = solution.state.receiver_p_vehicle_m[r];
+    receiver.position_m.head<2>() += given.taken_off_m;
     for (std::size_t i = 0; i < 3; ++i)
       receiver.sigma_m[static_cast<Eigen::Index>(i)] = variances.sigma(parameters::receiver_position(r, i));
     const std::size_t vehicle = given.vehicle.index();

@@ -102,6 +102,9 @@ struct SiteReceiver {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< in the vehicle frame
   Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();     ///< prior, per axis; 0 holds it fixed
   std::optional<Eigen::Vector3d> axis;                   ///< direction of hearing, unit vector
+  /// Taken off position_m while a site is calibrated by recordings that tell no headings: the vehicle then
+  /// stands where its receiver is.
+  Eigen::Vector2d taken_off_m = Eigen::Vector2d::Zero();
 };
 
 /// Line that a vehicle runs on; its heading is the line's.

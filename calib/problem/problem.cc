@@ -73,10 +73,17 @@ constexpr double kMeaninglessRad = 1.0;
 constexpr double kShareOfTolerance = 0.2;
 constexpr double kUsualTolerance = 0.05;
 
-/// Whether nothing at all tells the headings of a vehicle: one place of its receivers on the origin, no
-/// bearings, no odometry, no measured headings.
+/// Whether a vehicle's places were measured in a recording.
+bool has_poses(const std::vector<Trajectory>& trajectories, VehicleId vehicle) {
+  return std::any_of(trajectories.begin(), trajectories.end(),
+                     [&](const Trajectory& t) { return t.vehicle == vehicle && !t.poses.empty(); });
+}
+
+/// Whether nothing at all tells the headings of a vehicle: one place of its receivers, on the origin where
+/// that was measured, no bearings, no odometry, no measured headings.
 bool is_headless(const Site& site, const std::vector<Trajectory>& trajectories, VehicleId vehicle) {
-  if (site.motion != Motion::kPlanar || has_heading(site, vehicle, true)) return false;
+  if (site.motion != Motion::kPlanar || has_heading(site, vehicle, has_poses(trajectories, vehicle)))
+    return false;
   return std::none_of(trajectories.begin(), trajectories.end(), [&](const Trajectory& t) {
     return t.vehicle == vehicle && (!t.bearings.empty() || !t.odometry.empty() || t.motion_prior ||
                                     std::any_of(t.poses.begin(), t.poses.end(), [](const PoseObservation& p) {
@@ -88,20 +95,27 @@ bool is_headless(const Site& site, const std::vector<Trajectory>& trajectories, 
 /// Without headings a lever arm of some millimetres is no parameter: each stop turns as it likes, and all
 /// turned together look the same, so that the arm would grow until it absorbs the errors of each stop, and no
 /// adjustment would come to rest on that circle. A receiver that is known well enough then stands where it is
-/// stated, and measured positions are off by its sigma as well.
+/// stated, and measured positions are off by its sigma as well. Where no place was measured either, the
+/// vehicle stands where its receiver is: about an arm of decimetres a search would end in circles.
 /// @return Problem::held_lever_sigma_m
 std::vector<double> hold_levers(Site& site, const std::vector<Trajectory>& trajectories) {
   std::vector<double> held_m(site.vehicles.size(), 0.0);
   for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
     if (!is_headless(site, trajectories, VehicleId(v))) continue;
+    const bool posed = has_poses(trajectories, VehicleId(v));
     double sigma_m = 0.0;
     for (SiteReceiver& r : site.receivers) {
       if (r.vehicle.index() != v) continue;
       sigma_m = std::max(sigma_m, r.sigma_m.head<2>().maxCoeff());
     }
-    if (sigma_m > kShareOfTolerance * site.tolerance.fix_m.value_or(kUsualTolerance)) continue;
-    for (SiteReceiver& r : site.receivers)
-      if (r.vehicle.index() == v) r.sigma_m.head<2>().setZero();
+    if (posed && sigma_m > kShareOfTolerance * site.tolerance.fix_m.value_or(kUsualTolerance)) continue;
+    for (SiteReceiver& r : site.receivers) {
+      if (r.vehicle.index() != v) continue;
+      r.sigma_m.head<2>().setZero();
+      if (posed) continue;
+      r.taken_off_m += r.position_m.head<2>();
+      r.position_m.head<2>().setZero();
+    }
     held_m[v] = sigma_m;
   }
   return held_m;
