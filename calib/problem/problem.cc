@@ -108,7 +108,7 @@ std::vector<double> hold_levers(Site& site, const std::vector<Trajectory>& traje
       if (r.vehicle.index() != v) continue;
       sigma_m = std::max(sigma_m, r.sigma_m.head<2>().maxCoeff());
     }
-    if (posed && sigma_m > kShareOfTolerance * site.tolerance.fix_m.value_or(kUsualTolerance)) continue;
+    if (sigma_m > kShareOfTolerance * site.tolerance.fix_m.value_or(kUsualTolerance)) continue;
     for (SiteReceiver& r : site.receivers) {
       if (r.vehicle.index() != v) continue;
       r.sigma_m.head<2>().setZero();

@@ -287,20 +287,28 @@ class Approacher {
     for (std::size_t b = 0; b < estimate_.beacon_usable.size(); ++b) {
       const std::array<int, 3>& columns = estimate_.layout.beacon[b];
       if (!estimate_.beacon_usable[b] || *std::max_element(columns.begin(), columns.end()) < 0) continue;
-      const auto image =
+      auto image =
           mirror_image(problem_, estimate_.layout.state_of(estimate_.x), out_.trajectories, b, 3 * sigma_m());
+      if (!image) image = image_across_receivers(problem_, estimate_.layout, estimate_.x, b);
       if (!image) continue;
       const Kept here = keep();
       for (std::size_t i = 0; i < 3; ++i)
         if (columns[i] >= 0) estimate_.x[columns[i]] = (*image)[static_cast<Eigen::Index>(i)];
       if (!adjust_with(kCauchyScale, 1e-8)) return false;
-      // Bearings may have led it back to where it was: that is no second place.
-      const double apart_m = (estimate_.layout.state_of(estimate_.x).beacon_p_map_m[b] -
-                              here.layout.state_of(here.x).beacon_p_map_m[b])
-                                 .norm();
+      const Kept there = keep();
+      const Eigen::Vector3d p_here_m = here.layout.state_of(here.x).beacon_p_map_m[b],
+                            p_there_m = there.layout.state_of(there.x).beacon_p_map_m[b];
       Preference preferred = Preference::kNeither;
       compare(here, preferred);
-      estimate_.beacon_mirrored[b] = preferred == Preference::kNeither && apart_m > tolerance_m(problem_);
+      // Bearings may have led it back to where it was: that is no second place.
+      if (preferred != Preference::kNeither || (p_there_m - p_here_m).norm() <= tolerance_m(problem_)) {
+        estimate_.beacon_mirrored[b] = false;
+      } else if (is_under_floor(p_here_m) != is_under_floor(p_there_m)) {
+        if (is_under_floor(p_here_m)) restore(there);
+        estimate_.beacon_mirrored[b] = false;
+      } else {
+        estimate_.beacon_mirrored[b] = true;
+      }
     }
     const Kept here = keep();
     if (!reflect_site(problem_, estimate_.layout, estimate_.x, out_.trajectories)) return true;

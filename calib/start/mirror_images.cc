@@ -12,6 +12,7 @@
 
 #include "calib/adjust/priors.h"
 #include "calib/problem/ranges.h"
+#include "calib/verdict/observability.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {
@@ -156,6 +157,27 @@ Preference prefer(const ConsensusCost& first, const ConsensusCost& second, doubl
       (by_others * by_all > 0 && std::min(std::abs(by_others), std::abs(by_all)) > scale * kDecided))
     return by_all > 0 ? Preference::kFirst : Preference::kSecond;
   return Preference::kNeither;
+}
+
+std::optional<Eigen::Vector3d> image_across_receivers(const Problem& problem, const ParameterLayout& layout,
+                                                      const Eigen::VectorXd& x, std::size_t beacon) {
+  const int column = layout.beacon[beacon][2];
+  if (problem.site.motion != Motion::kPlanar || column < 0 || problem.site.receivers.empty())
+    return std::nullopt;
+  const SharedState state = layout.state_of(x);
+  double receivers_m = 0.0;
+  for (const Eigen::Vector3d& p : state.receiver_p_vehicle_m)
+    receivers_m += p.z() / static_cast<double>(state.receiver_p_vehicle_m.size());
+  Eigen::Vector3d image = state.beacon_p_map_m[beacon];
+  image.z() = 2 * receivers_m - image.z();
+  const Parameter& height = layout.parameters[static_cast<std::size_t>(column)];
+  const auto half_squares = [&](double z) {
+    return 0.5 * std::pow((z - height.prior_mean) / height.prior_sigma, 2);
+  };
+  const bool is_told =
+      !std::isfinite(height.prior_sigma) || half_squares(image.z()) - half_squares(x[column]) > kDecided;
+  if (is_told || std::abs(image.z() - x[column]) < tolerance_m(problem)) return std::nullopt;
+  return image;
 }
 
 bool reflect_site(const Problem& problem, const ParameterLayout& layout, Eigen::VectorXd& x,

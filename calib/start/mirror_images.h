@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -45,6 +46,20 @@ enum class Preference { kFirst, kSecond, kNeither };
 /// place are no excuse.
 /// @param noise  of the arrivals over the stated one
 [[nodiscard]] Preference prefer(const ConsensusCost& first, const ConsensusCost& second, double noise);
+
+/// A beacon of a planar site as far below the receivers as it is above them, or the reverse: what arrivals do
+/// not tell where all receivers are at one height. None where the prior of its height tells, or there is
+/// none, or both are one place to the tolerance for beacons.
+[[nodiscard]] std::optional<Eigen::Vector3d> image_across_receivers(const Problem& problem,
+                                                                    const ParameterLayout& layout,
+                                                                    const Eigen::VectorXd& x,
+                                                                    std::size_t beacon);
+
+/// Vehicles of a planar site stand on z = 0: a beacon below that is under the floor.
+[[nodiscard]] inline bool is_under_floor(const Eigen::Vector3d& p_map_m) {
+  constexpr double kMargin_m = 0.05;
+  return p_map_m.z() < -kMargin_m;
+}
 
 /// Turns a planar site into its mirror image: beacons in the layout and states without a measured pose are
 /// reflected in the line of all that is known, or in any line where that is less than two places. False (and

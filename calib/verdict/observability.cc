@@ -80,9 +80,11 @@ class Judge {
                            "distance to a control point",
                            sigma_m);
         } else if (mirrored[b]) {
-          status = undetermined(
-              b, "a mirror image explains the arrivals as well",
-              "hear it from beside the line driven so far, or give its approximate position", sigma_m);
+          status = undetermined(b, "a mirror image explains the arrivals as well",
+                                "say more closely where it is (its height, or its side of the line driven), "
+                                "or hear it from beside that "
+                                "line",
+                                sigma_m);
         }
       }
       solution_.beacon_status.push_back(status);

@@ -92,6 +92,38 @@ Scenario two_control_points(bool bearings) {
   return s;
 }
 
+/// A hall whose receivers are all at 0.4 m; of one beacon, truly at the height z_m, the height is stated to
+/// 0.3 m.
+calib::Solution with_height_stated(double z_m, double stated_m, double& found_m, bool& mirrored) {
+  constexpr std::size_t kBeacon = 1;
+  Scenario s = hall_scenario();
+  for (SiteReceiver& r : s.site.receivers) r.position_m.z() = 0.4;
+  s.site.beacons[kBeacon].position_m[2] = z_m;
+  World world = must(simulate(s, 3));
+  world.site.beacons[kBeacon].position_m[2] = stated_m;
+  world.site.beacons[kBeacon].sigma_m[2] = 0.3;
+  calib::Solution solution = solution_of(world);
+  found_m = solution.state.beacon_p_map_m[kBeacon].z();
+  mirrored = solution.beacon_mirrored[kBeacon];
+  return solution;
+}
+
+TEST(MirrorImages, ABeaconNearTheReceiversHeightMayBeAboveOrBelow) {
+  double found_m = 0.0;
+  bool mirrored = false;
+  // The image at 0.0 m is nearer to what is stated, and is on the floor.
+  static_cast<void>(with_height_stated(0.8, 0.35, found_m, mirrored));
+  EXPECT_TRUE(mirrored);
+  // The image at -0.4 m is nearer as well, and is under the floor.
+  static_cast<void>(with_height_stated(1.2, 0.35, found_m, mirrored));
+  EXPECT_FALSE(mirrored);
+  EXPECT_NEAR(found_m, 1.2, 0.02);
+  // Stated as it is, the image is ten sigmas away.
+  static_cast<void>(with_height_stated(2.4, 2.2, found_m, mirrored));
+  EXPECT_FALSE(mirrored);
+  EXPECT_NEAR(found_m, 2.4, 0.02);
+}
+
 TEST(MirrorImages, OfAWholeSiteNoSideIsGuessed) {
   EXPECT_EQ(solution_of(must(simulate(two_control_points(false), 3))).status, SolveStatus::kUndetermined);
   const World world = must(simulate(two_control_points(true), 3));  // counter-clockwise is no mirror image
@@ -241,6 +273,36 @@ TEST(Headings, ThatNothingHearsCostNoRedundancy) {
   ASSERT_EQ(unknown.status, SolveStatus::kConverged) << unknown.message;
   EXPECT_NEAR(unknown.statistics.redundancy, vague.statistics.redundancy, 1.0);
   EXPECT_NEAR(unknown.statistics.variance_factor, 1.0, 0.25);
+}
+
+/// One receiver two decimetres off the vehicle's origin: nothing tells where about it the vehicle stands, and
+/// all beacons come out as if it were on the origin.
+TEST(Headings, AReceiverOffTheOriginWithoutHeadingsIsWhereTheVehicleStands) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Scenario s = hall_scenario();
+    s.site.receivers.resize(1);
+    s.site.receivers[0].position_m = {0.2, 0.0, 0.4};
+    s.site.receivers[0].sigma_m.setConstant(0.001);
+    s.site.receivers[0].axis.reset();
+    s.site.vehicles[0].receiver_count = 1;
+    s.site.vehicles[0].array.reset();
+    s.hearing_half_angle_rad = 3.2;
+    s.range_m = 40.0;
+    s.path.epochs = 30;
+    World world = must(simulate(s, seed));
+    const calib::Problem problem = problem_of(world);
+    EXPECT_EQ(problem.site.receivers[0].taken_off_m, Eigen::Vector2d(0.2, 0.0));
+    const calib::Solution solution = solution_of(world);
+    EXPECT_EQ(solution.status, SolveStatus::kConverged) << solution.message;
+    const Deployment d = calib::make_deployment(problem, solution, {});
+    EXPECT_EQ(d.receivers[0].position_m.head<2>(), Eigen::Vector2d(0.2, 0.0));
+    EXPECT_TRUE(solution.contradictions.empty()) << seed;
+    EXPECT_LT(worst_beacon_m(world, solution), 0.05) << seed;
+    world.site.receivers[0].position_m.x() = 0.0;
+    const calib::Solution on_origin = solution_of(world);
+    for (std::size_t b = 0; b < world.site.beacons.size(); ++b)
+      EXPECT_EQ(solution.state.beacon_p_map_m[b], on_origin.state.beacon_p_map_m[b]) << seed;
+  }
 }
 
 TEST(Headings, ThatNothingHearsAreNotTurned) {
