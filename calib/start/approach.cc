@@ -37,6 +37,9 @@ constexpr double kMuchBetter = 0.98;
 constexpr double kAsGoodAsStated = 8.0;
 /// States are searched again once the robust scale is down to this, and once more at its end.
 constexpr double kSearchAgainScale = 30.0;
+/// What is known within this share of the typical range of one line may be its image in that.
+constexpr double kNearLine = 0.1;
+constexpr double kClearImage = 0.75;
 /// From one stage of the graduated adjustment to the next.
 constexpr double kFiner = 5.0;
 /// What held paths leave of the start's uncertainty in the residuals, and beacons then of it.
@@ -62,8 +65,10 @@ class Approacher {
     start_ = initial_values(problem_, options_.threads);
     set_start();
     if (!placed_any_) return stop(without_any_pose(problem_, estimate_.beacon_usable));
-    if (!graduated() || !mend_labels()) return stop(interrupted_solution());
-    if (search_again && (!search_and_adjust() || !look_behind_obstacles() || !compare_images()))
+    // Clear images before labels are held against what was found; others once all has been searched again.
+    if (!graduated() || !compare_image_in_wall(kClearImage) || !mend_labels() ||
+        (search_again && (!search_and_adjust() || !compare_image_in_wall(1.0) || !look_behind_obstacles() ||
+                          !compare_images())))
       return stop(interrupted_solution());
     return true;
   }
@@ -133,8 +138,7 @@ class Approacher {
     return std::all_of(std::begin(kHeldTo), std::end(kHeldTo), fit);
   }
 
-  /// Receivers in one plane cannot tell above from below: a beacon of unknown height that slipped below is
-  /// put back above.
+  /// A beacon of unknown height that slipped below the receivers' plane is put back above.
   bool keep_above() {
     if (problem_.site.motion != Motion::kPlanar) return false;
     const SharedState state = estimate_.layout.state_of(estimate_.x);
@@ -172,6 +176,19 @@ class Approacher {
   [[nodiscard]] ConsensusCost consensus(double early_more = 0.0) const {
     return consensus_cost_of(problem_, estimate_.layout, estimate_.x, out_.trajectories,
                              options_.rejection_sigmas, {}, early_more);
+  }
+
+  /// Along a wall a site may have come out as its image in the wall, where little but what is stated across
+  /// it tells the sides: the image is adjusted too, and kept where it costs less than this share.
+  bool compare_image_in_wall(double share) {
+    const double off_line_m = kNearLine * problem_.typical_range_m;
+    const Kept here = keep();
+    const double cost = consensus().total();
+    if (!reflect_site(problem_, estimate_.layout, estimate_.x, out_.trajectories, off_line_m)) return true;
+    if (!monitor_.report("the image in the line of what is known", 0.61)) return false;
+    if (!adjust_from(off_line_m)) return false;
+    if (consensus().total() >= share * cost) restore(here);
+    return true;
   }
 
   /// Exchanged or misplaced beacons, once the arrivals have told where they are.
@@ -237,6 +254,11 @@ class Approacher {
         const double prior_m = estimate_.layout.parameters[static_cast<std::size_t>(column)].prior_sigma;
         if (std::isfinite(prior_m)) off_m = std::max(off_m, prior_m);
       }
+    return adjust_from(off_m);
+  }
+
+  /// States placed anew among beacons that are off by so much, and adjusted from there.
+  bool adjust_from(double off_m) {
     place_again(kCauchyScale, off_m / sigma_m());
     double scale = std::max(off_m / sigma_m(), kCauchyScale);
     while (scale > kCauchyScale) {

@@ -74,7 +74,7 @@ struct Line {
   }
 };
 
-std::optional<Line> line_through(const std::vector<KnownPlace>& places) {
+std::optional<Line> line_through(const std::vector<KnownPlace>& places, double off_line_m = 0.0) {
   Line line;
   if (places.empty()) return line;
   for (const KnownPlace& place : places) line.mean_m += place.p_m / static_cast<double>(places.size());
@@ -82,9 +82,9 @@ std::optional<Line> line_through(const std::vector<KnownPlace>& places) {
   for (const KnownPlace& place : places)
     C += (place.p_m - line.mean_m) * (place.p_m - line.mean_m).transpose();
   line.normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(C).eigenvectors().col(0);
-  const bool in_line = std::all_of(places.begin(), places.end(), [&line](const KnownPlace& place) {
+  const bool in_line = std::all_of(places.begin(), places.end(), [&](const KnownPlace& place) {
     return std::abs(line.normal.dot(place.p_m - line.mean_m)) <=
-           kOffLineSigmas * std::max(place.sigma_m, kLeastSigmaM);
+           off_line_m + kOffLineSigmas * std::max(place.sigma_m, kLeastSigmaM);
   });
   return in_line ? std::optional<Line>(line) : std::nullopt;
 }
@@ -181,10 +181,10 @@ std::optional<Eigen::Vector3d> image_across_receivers(const Problem& problem, co
 }
 
 bool reflect_site(const Problem& problem, const ParameterLayout& layout, Eigen::VectorXd& x,
-                  std::vector<Trajectory>& trajectories) {
+                  std::vector<Trajectory>& trajectories, double off_line_m) {
   if (problem.site.motion != Motion::kPlanar || distinguishes_left_from_right(problem, trajectories))
     return false;
-  const std::optional<Line> line = line_through(known_places(problem, layout, trajectories));
+  const std::optional<Line> line = line_through(known_places(problem, layout, trajectories), off_line_m);
   if (!line) return false;
   const SharedState state = layout.state_of(x);
   for (std::size_t b = 0; b < layout.beacon.size(); ++b) {

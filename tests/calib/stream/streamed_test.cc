@@ -184,7 +184,7 @@ TEST(Streamed, StopsMayHaveBearings) {
 TEST(Streamed, BearingsOfSilentStopsAreLeftOutAndSaidToBe) {
   Scenario s = long_hall(4100);
   s.site.noise.bearing_sigma_rad = 0.02;
-  s.bearings.emplace();
+  s.bearings = Scenario::Bearings{};
   World world = must(simulate(s, 19));
   std::erase_if(world.run.arrivals, [](const Arrival& a) { return a.epoch == 77; });
   const auto of_it = std::count_if(world.run.bearings.begin(), world.run.bearings.end(),
