@@ -182,7 +182,11 @@ std::optional<Eigen::Vector3d> image_across_receivers(const Problem& problem, co
 
 bool reflect_site(const Problem& problem, const ParameterLayout& layout, Eigen::VectorXd& x,
                   std::vector<Trajectory>& trajectories, double off_line_m) {
-  if (problem.site.motion != Motion::kPlanar || distinguishes_left_from_right(problem, trajectories))
+  const bool all_fixed = std::all_of(layout.beacon.begin(), layout.beacon.end(), [](const auto& columns) {
+    return std::max(columns[0], columns[1]) < 0;
+  });
+  if (problem.site.motion != Motion::kPlanar || all_fixed ||
+      distinguishes_left_from_right(problem, trajectories))
     return false;
   const std::optional<Line> line = line_through(known_places(problem, layout, trajectories), off_line_m);
   if (!line) return false;

@@ -63,8 +63,8 @@ enum class Preference { kFirst, kSecond, kNeither };
 
 /// Turns a planar site into its mirror image: beacons in the layout and states without a measured pose are
 /// reflected in the line of all that is known, or in any line where that is less than two places. False (and
-/// nothing is changed) where known places do not lie in line, where odometry or receivers that are no line
-/// tell left from right, or in space.
+/// nothing is changed) where all beacons are fixed, where known places do not lie in line, where odometry or
+/// receivers that are no line tell left from right, or in space.
 /// @param off_line_m  how far known places may lie off the line beside what their sigmas allow
 [[nodiscard]] bool reflect_site(const Problem& problem, const ParameterLayout& layout, Eigen::VectorXd& x,
                                 std::vector<Trajectory>& trajectories, double off_line_m = 0.0);
