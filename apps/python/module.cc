@@ -139,7 +139,7 @@ Run make_run(const py::object& of, const Array<double>& time_s, const Array<std:
 Fixes localize(const Deployment& deployment, const Run& run, const std::string& method) {
   const Method how = method_named(method);
   auto found = unlocked([&] { return app::localize_runs(deployment, {run.log}, how); });
-  return {std::move(found.fixes.front()), names_of(deployment), found.speeds.front()};
+  return {std::move(found.fixes), names_of(deployment), found.speeds.front()};
 }
 
 template <class Owner>
