@@ -63,10 +63,10 @@ std::optional<CalibrationDue> calibration_due(const Deployment& d) {
 
 std::optional<std::array<double, 2>> stated_temperatures(const MeasurementLog& run) {
   double coldest = INFINITY, warmest = -INFINITY;
-  const auto take = [&](double degC) {
-    if (!std::isfinite(degC)) return;
-    coldest = std::min(coldest, degC);
-    warmest = std::max(warmest, degC);
+  const auto take = [&](double temperature_degC) {
+    if (!std::isfinite(temperature_degC)) return;
+    coldest = std::min(coldest, temperature_degC);
+    warmest = std::max(warmest, temperature_degC);
   };
   for (const Arrival& a : run.arrivals)
     take(std::isfinite(a.temperature_degC) ? a.temperature_degC : run.temperature_degC.value_or(NAN));

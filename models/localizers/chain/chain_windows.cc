@@ -136,6 +136,7 @@ std::vector<bool> solve_by_windows(const Trajectory& t, const Segment& segment, 
   const std::size_t nodes = segment.last_node - segment.first_node,
                     windows = chunk_count(nodes, window_nodes);
   std::vector<VariantSolver> solvers;
+  solvers.reserve(variants.size());
   for (const ChainVariant& variant : variants) solvers.emplace_back(variant, t, windows);
   const auto factor = [&](std::size_t index) {
     const std::size_t first = segment.first_node + index * window_nodes,
@@ -159,8 +160,9 @@ std::vector<bool> solve_by_windows(const Trajectory& t, const Segment& segment, 
     for (const VariantSolver& solver : solvers)
       if (solver.is_determined()) solver.visit();
   }
-  std::vector<bool> determined;
-  for (const VariantSolver& solver : solvers) determined.push_back(solver.is_determined());
+  std::vector<bool> determined(solvers.size());
+  std::transform(solvers.begin(), solvers.end(), determined.begin(),
+                 [](const VariantSolver& solver) { return solver.is_determined(); });
   return determined;
 }
 
