@@ -9,6 +9,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "calib/adjust/sparse_factor.h"
+#include "models/support/unit_diagonal.h"
 #include "models/trajectory/decompositions.h"
 
 namespace octant::calib {
@@ -47,11 +48,10 @@ Eigen::MatrixXd dense_inverse(const Eigen::MatrixXd& information, const Eigen::M
   const double weight = datum.cols() > 0 ? information.diagonal().mean() : 0.0;
   if (datum.cols() > 0) N += weight * datum * datum.transpose();
   separate_unobservable(N);
-  const Eigen::VectorXd inverse_scale = N.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const SymmetricEigen<Eigen::MatrixXd> eigen(inverse_scale.asDiagonal() * N * inverse_scale.asDiagonal());
-  const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(kUnobservable);
-  Eigen::MatrixXd C = inverse_scale.asDiagonal() * eigen.eigenvectors() * values.cwiseInverse().asDiagonal() *
-                      eigen.eigenvectors().transpose() * inverse_scale.asDiagonal();
+  const UnitDiagonal<Eigen::MatrixXd> unit(N);
+  const SymmetricEigen<Eigen::MatrixXd> eigen(unit.scaled);
+  Eigen::MatrixXd C =
+      unit.inverse(eigen.eigenvectors(), eigen.eigenvalues().cwiseMax(kUnobservable).cwiseInverse());
   if (datum.cols() > 0) C -= datum * datum.transpose() / weight;
   return 0.5 * (C + C.transpose());
 }

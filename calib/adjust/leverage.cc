@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "models/support/observed.h"
+#include "models/support/unit_diagonal.h"
 #include "models/trajectory/decompositions.h"
 
 namespace octant::calib {
@@ -19,15 +20,15 @@ constexpr double kNoVariance = 1e-13;
 /// L with C = L L' of the few parameters of a segment, one column for each direction that is not zero.
 Eigen::MatrixXd pivoted_root_of(const Eigen::MatrixXd& C) {
   if (C.rows() == 0) return C;
-  const Eigen::VectorXd scale = C.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const Eigen::VectorXd inverse = scale.cwiseInverse();
-  const DenseLdlt ldlt((inverse.asDiagonal() * C * inverse.asDiagonal()).eval());
+  const UnitDiagonal<Eigen::MatrixXd> unit(C);
+  const DenseLdlt ldlt(unit.scaled);
   const Eigen::VectorXd d = ldlt.vectorD();
   const Eigen::MatrixXd L = ldlt.matrixL();
   Eigen::MatrixXd root = ldlt.transpositionsP().transpose() * L;
   Eigen::Index rank = 0;
   for (Eigen::Index i = 0; i < d.size(); ++i)
-    if (d[i] > kNoVariance) root.col(rank++) = (std::sqrt(d[i]) * scale.cwiseProduct(root.col(i))).eval();
+    if (d[i] > kNoVariance)
+      root.col(rank++) = (std::sqrt(d[i]) * unit.scale.cwiseProduct(root.col(i))).eval();
   return root.leftCols(rank);
 }
 
@@ -36,23 +37,21 @@ Eigen::MatrixXd pivoted_root_of(const Eigen::MatrixXd& C) {
 /// too.
 Eigen::MatrixXd symmetric_root_of(const Eigen::MatrixXd& C) {
   if (C.rows() == 0) return C;
-  const Eigen::VectorXd scale = C.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const Eigen::VectorXd inverse = scale.cwiseInverse();
-  return scale.asDiagonal() * symmetric_root(inverse.asDiagonal() * C * inverse.asDiagonal());
+  const UnitDiagonal<Eigen::MatrixXd> unit(C);
+  return unit.scale.asDiagonal() * symmetric_root(unit.scaled);
 }
 
 /// Inverse in the directions that are observed, zero in the others; adds their number to `rank`.
 NodeBlock observed_inverse(const NodeBlock& D, std::size_t& rank) {
-  const NodeVector inverse_scale = D.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const NodeBlock scaled = inverse_scale.asDiagonal() * D * inverse_scale.asDiagonal();
-  const SymmetricEigen<NodeBlock> eigen(scaled);
+  const UnitDiagonal<NodeBlock> unit(D);
+  const SymmetricEigen<NodeBlock> eigen(unit.scaled);
   NodeVector inverse_values = NodeVector::Zero(D.rows());
   for (Eigen::Index i = 0; i < D.rows(); ++i) {
     if (!(eigen.eigenvalues()[i] > kUnobserved)) continue;
     inverse_values[i] = 1.0 / eigen.eigenvalues()[i];
     ++rank;
   }
-  const NodeBlock V = inverse_scale.asDiagonal() * eigen.eigenvectors();
+  const NodeBlock V = unit.inverse_scale.asDiagonal() * eigen.eigenvectors();
   return V * inverse_values.asDiagonal() * V.transpose();
 }
 

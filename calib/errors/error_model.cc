@@ -14,6 +14,7 @@
 #include "calib/errors/statistics.h"
 #include "calib/problem/ranges.h"
 #include "models/support/parallel.h"
+#include "models/support/unit_diagonal.h"
 
 namespace octant::calib {
 namespace {
@@ -219,11 +220,10 @@ class Estimator {
   [[nodiscard]] static Eigen::MatrixXd weights_of(const Eigen::MatrixXd& drawn) {
     const Eigen::MatrixXd centred = drawn.colwise() - drawn.rowwise().mean();
     const Eigen::MatrixXd V = centred * centred.transpose() / static_cast<double>(drawn.cols() - 1);
-    const Eigen::VectorXd inverse = V.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-    Eigen::MatrixXd R = inverse.asDiagonal() * V * inverse.asDiagonal();
-    R.diagonal().array() += kRidge;
-    Eigen::MatrixXd W = inverse.asDiagonal();
-    Eigen::LLT<Eigen::MatrixXd>(R).matrixL().solveInPlace(W);
+    UnitDiagonal<Eigen::MatrixXd> unit(V);
+    unit.scaled.diagonal().array() += kRidge;
+    Eigen::MatrixXd W = unit.inverse_scale.asDiagonal();
+    Eigen::LLT<Eigen::MatrixXd>(unit.scaled).matrixL().solveInPlace(W);
     return W;
   }
 

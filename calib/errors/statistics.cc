@@ -14,6 +14,7 @@
 
 #include "models/support/observed.h"
 #include "models/support/parallel.h"
+#include "models/support/unit_diagonal.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {
@@ -67,9 +68,8 @@ bool may_be_blind(const Trajectory& t, const Segment& s) {
 
 std::size_t rank_of(const Eigen::MatrixXd& A) {
   if (A.rows() == 0) return 0;
-  const Eigen::VectorXd scale = A.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(
-                                     scale.asDiagonal() * A * scale.asDiagonal(), Eigen::EigenvaluesOnly)
+                                     UnitDiagonal<Eigen::MatrixXd>(A).scaled, Eigen::EigenvaluesOnly)
                                      .eigenvalues();
   return static_cast<std::size_t>((values.array() > kUnobserved).count());
 }

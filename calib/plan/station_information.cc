@@ -15,6 +15,7 @@
 #include "calib/verdict/datum.h"
 #include "calib/verdict/observability.h"
 #include "models/trajectory/decompositions.h"
+#include "models/support/unit_diagonal.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {
@@ -79,12 +80,11 @@ Eigen::MatrixXd with_vague_priors(const Problem& problem, const ParameterLayout&
 
 /// Inverse of a joint covariance within the directions that it varies in.
 Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& C) {
-  const Eigen::VectorXd scale = C.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const SymmetricEigen<Eigen::MatrixXd> eigen(scale.asDiagonal() * C * scale.asDiagonal());
-  const Eigen::VectorXd inverse =
-      eigen.eigenvalues().unaryExpr([](double v) { return v > kUnobservableByStop ? 1.0 / v : 0.0; });
-  return scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose() *
-         scale.asDiagonal();
+  const UnitDiagonal<Eigen::MatrixXd> unit(C);
+  const SymmetricEigen<Eigen::MatrixXd> eigen(unit.scaled);
+  return unit.inverse(eigen.eigenvectors(), eigen.eigenvalues().unaryExpr([](double v) {
+    return v > kUnobservableByStop ? 1.0 / v : 0.0;
+  }));
 }
 
 /// The site that a deployment describes, its sigmas as priors, so that the parameters of its covariance are

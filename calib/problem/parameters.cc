@@ -7,6 +7,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "models/support/unit_diagonal.h"
+
 namespace octant::calib {
 namespace {
 
@@ -115,12 +117,10 @@ Eigen::VectorXd ParameterLayout::vector_of(const SharedState& state) const {
 Eigen::VectorXd JointPrior::residual(const Eigen::VectorXd& x) const { return root * (x(columns) - mean); }
 
 JointPrior joint_prior(std::vector<int> columns, Eigen::VectorXd mean, const Eigen::MatrixXd& covariance) {
-  // C = L L', so that R = L^-1; millimetres beside metres are scaled alike first.
-  const Eigen::VectorXd inverse = covariance.diagonal().cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd root = inverse.asDiagonal();
-  Eigen::LLT<Eigen::MatrixXd>(inverse.asDiagonal() * covariance * inverse.asDiagonal())
-      .matrixL()
-      .solveInPlace(root);
+  // C = L L', so that the root is L^-1.
+  const UnitDiagonal<Eigen::MatrixXd> unit(covariance);
+  Eigen::MatrixXd root = unit.inverse_scale.asDiagonal();
+  Eigen::LLT<Eigen::MatrixXd>(unit.scaled).matrixL().solveInPlace(root);
   return {std::move(columns), std::move(mean), std::move(root)};
 }
 

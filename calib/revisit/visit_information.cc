@@ -21,6 +21,7 @@ namespace {
 constexpr std::size_t kSampledRows = 40'000;
 constexpr double kAboutAsLarge = 0.5;  ///< logarithms of variances, from one model alone to the other alone
 constexpr double kUnobservableShare = 1e-9;  ///< of the information beside that of the prior
+constexpr double kVisitRidge = 1e-13;        ///< of information scaled to a unit diagonal
 
 /// Errors of a pair that hang together as exp(-t / time_s), and those that it keeps for good; variances as
 /// shares of the whole.
@@ -125,14 +126,6 @@ Eigen::VectorXd own_prior_gradient(const Fit& fit, const std::vector<int>& colum
   return gradient;
 }
 
-Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& H) {
-  const Eigen::VectorXd scale = H.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd scaled = scale.asDiagonal() * H * scale.asDiagonal();
-  scaled.diagonal().array() += 1e-13;
-  return scale.asDiagonal() * DenseLdlt(scaled).solve(Eigen::MatrixXd::Identity(H.rows(), H.cols())) *
-         scale.asDiagonal();
-}
-
 /// N M^-1 N and what becomes of the gradient, in coordinates in which the prior is the unit matrix.
 void discount(const Eigen::MatrixXd& honest, Eigen::MatrixXd& N, Eigen::VectorXd& gradient) {
   const SymmetricEigen<Eigen::MatrixXd> eigen(N);
@@ -176,7 +169,8 @@ VisitInformation visit_information(Fit& fit, const KnownParameters& known, const
   Eigen::VectorXd pull = -information.data_gradient(p.known);  // N (theta_2 - x)
   if (!p.others.empty()) {
     const Eigen::MatrixXd across = all(p.others, p.known),
-                          eliminated = across.transpose() * inverse_of(all(p.others, p.others));
+                          eliminated = across.transpose() *
+                                       inverse_of_information(all(p.others, p.others), kVisitRidge);
     N -= eliminated * across;
     pull += eliminated * (information.data_gradient(p.others) + own_prior_gradient(fit, p.others));
   }
@@ -196,7 +190,8 @@ VisitInformation visit_information(Fit& fit, const KnownParameters& known, const
   Eigen::VectorXd gradient = internal_L.transpose() * pull + N_unit * u;
   VisitInformation out;
   const Eigen::MatrixXd honest =
-      known_white ? Eigen::MatrixXd() : correlated_covariance(fit, inverse_of(all), noise, threads);
+      known_white ? Eigen::MatrixXd()
+                  : correlated_covariance(fit, inverse_of_information(all, kVisitRidge), noise, threads);
   if (honest.size() > 0) {
     const Eigen::MatrixXd to_unit = inverse_root * unit.asDiagonal();
     discount(to_unit * honest(p.known, p.known) * to_unit.transpose(), N_unit, gradient);

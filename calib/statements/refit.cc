@@ -12,6 +12,7 @@
 #include "calib/adjust/reject.h"
 #include "calib/errors/statistics.h"
 #include "calib/errors/whiteness.h"
+#include "models/support/unit_diagonal.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {
@@ -100,13 +101,12 @@ double variance_inflation(const Fit& fit, int threads) {
   return w.white ? 1.0 : std::max({1.0, w.sigma_factor * w.sigma_factor, w.pair_ratio});
 }
 
-Eigen::MatrixXd inverse_of_information(const Eigen::MatrixXd& information) {
-  const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-12).cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
-  scaled.diagonal().array() += 1e-12;
-  return scale.asDiagonal() *
-         scaled.ldlt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols())) *
-         scale.asDiagonal();
+Eigen::MatrixXd inverse_of_information(const Eigen::MatrixXd& information, double ridge) {
+  UnitDiagonal<Eigen::MatrixXd> unit(information, 1e-12);
+  unit.scaled.diagonal().array() += ridge;
+  return unit.inverse_scale.asDiagonal() *
+         unit.scaled.ldlt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols())) *
+         unit.inverse_scale.asDiagonal();
 }
 
 Eigen::MatrixXd honest_covariance(const SolveOptions& options, const Fit& fit) {

@@ -38,9 +38,10 @@ inline constexpr std::size_t kMostArrivals = 60'000;
 /// @param fit  problem, layout, x and trajectories are the start
 void adjust_anew(const SolveOptions& options, Fit& fit);
 
-/// Inverse, scaled to a unit diagonal first; a direction without information gets a variance of 1e12 in that
-/// scale.
-[[nodiscard]] Eigen::MatrixXd inverse_of_information(const Eigen::MatrixXd& information);
+/// Inverse of an information matrix, scaled to a unit diagonal first.
+/// @param ridge  added to the scaled diagonal: a direction without information gets its inverse as variance
+[[nodiscard]] Eigen::MatrixXd inverse_of_information(const Eigen::MatrixXd& information,
+                                                     double ridge = 1e-12);
 
 /// Joint covariance of a fit's parameters in internal units under the errors as its residuals show them
 /// (noise, and how long it keeps). Everything that tests a statement takes it from here.

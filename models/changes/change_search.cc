@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "models/changes/chi_square.h"
+#include "models/support/unit_diagonal.h"
 #include "models/trajectory/decompositions.h"
 
 namespace octant {
@@ -28,7 +29,6 @@ class ChangeSearcher {
       : hypotheses_(hypotheses),
         G_(innovation.B.transpose() * innovation.B),
         h_(innovation.B.transpose() * innovation.y) {
-    scale_ = G_.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     out_.chi2 = innovation.y.squaredNorm();
     out_.degrees_of_freedom = innovation.degrees_of_freedom;
     const double each = kFalseAlarm / static_cast<double>(std::max<std::size_t>(hypotheses.size(), 1));
@@ -52,14 +52,12 @@ class ChangeSearcher {
       columns.insert(columns.end(), hypotheses_[k].columns.begin(), hypotheses_[k].columns.end());
     ChangeFit out;
     if (columns.empty()) return out;
-    const Eigen::VectorXd scale = scale_(columns);
-    const SymmetricEigen<Eigen::MatrixXd> eigen(scale.asDiagonal() * G_(columns, columns) *
-                                                scale.asDiagonal());
+    const UnitDiagonal<Eigen::MatrixXd> unit(G_(columns, columns));
+    const SymmetricEigen<Eigen::MatrixXd> eigen(unit.scaled);
     const Eigen::VectorXd inverse =
         eigen.eigenvalues().unaryExpr([](double v) { return v > kSingular ? 1.0 / v : 0.0; });
     out.rank = static_cast<int>((inverse.array() > 0).count());
-    out.covariance = scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() *
-                     eigen.eigenvectors().transpose() * scale.asDiagonal();
+    out.covariance = unit.inverse(eigen.eigenvectors(), inverse);
     out.estimate = out.covariance * h_(columns);
     out.explained = out.estimate.dot(h_(columns));
     return out;
@@ -130,7 +128,7 @@ class ChangeSearcher {
 
   const std::vector<ChangeHypothesis>& hypotheses_;
   Eigen::MatrixXd G_;
-  Eigen::VectorXd h_, scale_;
+  Eigen::VectorXd h_;
   std::vector<double> price_;
   Held held_;
   bool found_ = false;

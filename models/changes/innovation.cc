@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "models/support/unit_diagonal.h"
 #include "models/trajectory/decompositions.h"
 
 namespace octant {
@@ -14,24 +15,21 @@ namespace {
 /// Of the whole, which a direction must tell to count.
 constexpr double kUnobservableShare = 1e-9;
 
-/// L of C = L L', microseconds beside metres scaled alike first.
+/// L of C = L L', by Cholesky's decomposition of the correlations.
 class Root {
  public:
-  explicit Root(const Eigen::MatrixXd& covariance) : scale_(covariance.diagonal().cwiseSqrt()) {
-    const Eigen::VectorXd inverse = scale_.cwiseInverse();
-    llt_.compute(inverse.asDiagonal() * covariance * inverse.asDiagonal());
-  }
+  explicit Root(const Eigen::MatrixXd& covariance) : unit_(covariance), llt_(unit_.scaled) {}
   [[nodiscard]] Eigen::MatrixXd inverse() const {
-    Eigen::MatrixXd X = scale_.cwiseInverse().asDiagonal();
+    Eigen::MatrixXd X = unit_.inverse_scale.asDiagonal();
     llt_.matrixL().solveInPlace(X);
     return X;
   }
   [[nodiscard]] Eigen::MatrixXd lower() const {
-    return scale_.asDiagonal() * Eigen::MatrixXd(llt_.matrixL());
+    return unit_.scale.asDiagonal() * Eigen::MatrixXd(llt_.matrixL());
   }
 
  private:
-  Eigen::VectorXd scale_;
+  UnitDiagonal<Eigen::MatrixXd> unit_;
   Eigen::LLT<Eigen::MatrixXd> llt_;
 };
 

@@ -5,6 +5,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "models/support/unit_diagonal.h"
+
 namespace octant {
 
 // What an information matrix tells of a state, and what it does not. Its elements differ by the squares of
@@ -22,9 +24,7 @@ inline constexpr double kStepFloor = 1e-9;
 template <class Matrix>
 class ObservedState {
  public:
-  explicit ObservedState(const Matrix& information)
-      : inverse_scale_(information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse()),
-        factor_(Matrix(inverse_scale_.asDiagonal() * information * inverse_scale_.asDiagonal())) {}
+  explicit ObservedState(const Matrix& information) : ObservedState(UnitDiagonal<Matrix>(information)) {}
 
   /// Whether all directions are observed.
   [[nodiscard]] bool all() const {
@@ -42,9 +42,10 @@ class ObservedState {
   }
 
  private:
-  using Vector =
-      Eigen::Matrix<double, Matrix::RowsAtCompileTime, 1, Eigen::ColMajor, Matrix::MaxRowsAtCompileTime, 1>;
-  Vector inverse_scale_;
+  explicit ObservedState(const UnitDiagonal<Matrix>& information)
+      : inverse_scale_(information.inverse_scale), factor_(information.scaled) {}
+
+  typename UnitDiagonal<Matrix>::Vector inverse_scale_;
   Eigen::LDLT<Matrix> factor_;
 };
 

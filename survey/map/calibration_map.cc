@@ -6,9 +6,9 @@
 #include <cmath>
 #include <string>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "models/support/observed.h"
 #include "models/trajectory/decompositions.h"
 
 namespace octant::survey {
@@ -82,11 +82,11 @@ void CalibrationMap::couple(const SurveyModel& model, const std::vector<HeardPat
   const int n = model.unknowns.count();
   UnknownsMatrix A = UnknownsMatrix::Zero(n, n);
   for (const HeardPath& p : paths) A.noalias() += p.weight * p.row * p.row.transpose();
-  const UnknownsVector scale = A.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::LDLT<UnknownsMatrix> ldlt(scale.asDiagonal() * A * scale.asDiagonal());
-  if (paths.empty() || ldlt.info() != Eigen::Success || !(ldlt.vectorD().minCoeff() > 1e-10)) return;
+  if (paths.empty()) return;
+  const ObservedState<UnknownsMatrix> pose(A);
+  if (!pose.all()) return;
   for (const HeardPath& p : paths) {
-    const UnknownsVector moved = p.weight * (scale.asDiagonal() * ldlt.solve(scale.asDiagonal() * p.row));
+    const UnknownsVector moved = p.weight * pose.solve(p.row);
     const auto add = [&](int at, double by) {
       if (at >= 0) x_row[at * stride] += moved[0] * by, y_row[at * stride] += moved[1] * by;
     };
