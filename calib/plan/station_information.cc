@@ -10,12 +10,13 @@
 
 #include "calib/adjust/information.h"
 #include "calib/adjust/priors.h"
+#include "calib/deployed_site.h"
 #include "calib/problem/ranges.h"
 #include "calib/problem/shared_entries.h"
 #include "calib/verdict/datum.h"
 #include "calib/verdict/observability.h"
-#include "models/trajectory/decompositions.h"
 #include "models/support/unit_diagonal.h"
+#include "models/trajectory/decompositions.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {
@@ -89,50 +90,29 @@ Eigen::MatrixXd pseudo_inverse(const Eigen::MatrixXd& C) {
 
 /// The site that a deployment describes, its sigmas as priors, so that the parameters of its covariance are
 /// free again.
-Site site_of(const Deployment& d) {
+Site site_with_priors(const Deployment& d) {
   const ParameterIndex column(d.covariance.parameters);
   const auto is_free = [&](const ParameterId& id) { return column[id] >= 0; };
-  Site site;
-  site.name = d.site;
-  site.motion = d.motion;
-  site.medium = d.medium;
+  Site site = deployed_site(d);
   site.speed_sigma_mps = is_free(parameters::speed()) ? std::max(d.speed_sigma_mps, 1e-9) : 0.0;
-  site.timing = d.timing;
   if (!(site.timing.delay_sigma_s > 0)) site.timing.delay_per = {};
-  site.noise = d.noise;
-  site.noise.pair_sigma_s.reset();
-  site.tolerance = d.tolerance;
-  if (d.attenuation) {
-    AttenuationPrior& prior = site.attenuation.emplace();
-    prior.threshold_v = d.attenuation->threshold_v;
-    prior.saturation_v = d.attenuation->saturation_v;
-    for (std::size_t i = 0; i < kAttenuationUnknowns; ++i) {
-      const double value = attenuation_unknown(*d.attenuation, i);
-      attenuation_unknown(prior, i) = {
-          value, is_free(parameters::attenuation(i)) ? std::max(1e-6, std::abs(value)) : 0.0};
-    }
+  for (std::size_t i = 0; d.attenuation && i < kAttenuationUnknowns; ++i) {
+    const double value = attenuation_unknown(*d.attenuation, i);
+    attenuation_unknown(*site.attenuation, i) = {
+        value, is_free(parameters::attenuation(i)) ? std::max(1e-6, std::abs(value)) : 0.0};
   }
-  for (const DeploymentBeacon& b : d.beacons) {
-    SiteBeacon beacon;
-    beacon.name = b.name;
-    for (std::size_t i = 0; i < 3 && b.status != BeaconStatus::kUndetermined; ++i) {
+  for (std::size_t b = 0; b < d.beacons.size(); ++b)
+    for (std::size_t i = 0; i < 3 && d.beacons[b].status != BeaconStatus::kUndetermined; ++i) {
       const auto k = static_cast<Eigen::Index>(i);
-      beacon.position_m[i] = b.position_m[k];
-      beacon.sigma_m[i] = is_free(parameters::beacon_position(site.beacons.size(), i))
-                              ? std::sqrt(std::max(1e-18, b.covariance_m2(k, k)))
-                              : 0.0;
+      site.beacons[b].position_m[i] = d.beacons[b].position_m[k];
+      site.beacons[b].sigma_m[i] = is_free(parameters::beacon_position(b, i))
+                                       ? std::sqrt(std::max(1e-18, d.beacons[b].covariance_m2(k, k)))
+                                       : 0.0;
     }
-    site.beacons.push_back(std::move(beacon));
-  }
-  site.vehicles = d.vehicles;
-  for (const DeploymentReceiver& r : d.receivers) {
-    SiteReceiver receiver{.name = r.name, .vehicle = r.vehicle, .position_m = r.position_m, .axis = r.axis};
+  for (std::size_t r = 0; r < d.receivers.size(); ++r)
     for (std::size_t i = 0; i < 3; ++i)
-      if (is_free(parameters::receiver_position(site.receivers.size(), i)))
-        receiver.sigma_m[static_cast<Eigen::Index>(i)] =
-            std::max(r.sigma_m[static_cast<Eigen::Index>(i)], 1e-9);
-    site.receivers.push_back(std::move(receiver));
-  }
+      if (const auto k = static_cast<Eigen::Index>(i); is_free(parameters::receiver_position(r, i)))
+        site.receivers[r].sigma_m[k] = std::max(d.receivers[r].sigma_m[k], 1e-9);
   return site;
 }
 
@@ -310,7 +290,7 @@ Result<Knowledge> knowledge_of(const Deployment& deployment) {
     return bad("", "the deployment has no joint covariance", "a deployment that calibrate wrote",
                "plan from the site file");
   Knowledge k;
-  k.problem.site = site_of(deployment);
+  k.problem.site = site_with_priors(deployment);
   if (auto sound = check(k.problem.site); !sound) return fail(sound.error());
   if (auto sound = check_places(k.problem.site); !sound) return fail(sound.error());
   fill_from_site(k, shared_state(deployment));

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "calib/deployed_site.h"
 #include "models/parameter.h"
 
 namespace octant::calib {
@@ -75,31 +76,10 @@ Eigen::VectorXd room_for_change(const KnownParameters& known, const RoomForChang
 }
 
 Site revisited_site(const Deployment& d, const KnownParameters& known, const Eigen::VectorXd& variance) {
-  Site site;
-  site.name = d.site;
-  site.motion = d.motion;
-  site.medium = d.medium;
-  site.timing = d.timing;
+  Site site = deployed_site(d);
   site.timing.delay_per.site = false;  // it stands on the beacons
-  site.noise = d.noise;
   site.noise.tof_sigma_s =
       std::hypot(d.noise.tof_sigma_s, d.correlated_noise.sigma_s, d.correlated_noise.pair_sigma_s);
-  site.noise.pair_sigma_s.reset();
-  site.tolerance = d.tolerance;
-  if (d.attenuation) {
-    site.attenuation.emplace();
-    site.attenuation->threshold_v = d.attenuation->threshold_v;
-    site.attenuation->saturation_v = d.attenuation->saturation_v;
-  }
-  for (const DeploymentBeacon& b : d.beacons) {
-    SiteBeacon beacon;
-    beacon.name = b.name;
-    site.beacons.push_back(std::move(beacon));
-  }
-  site.vehicles = d.vehicles;
-  for (const DeploymentReceiver& r : d.receivers)
-    site.receivers.push_back(
-        {.name = r.name, .vehicle = r.vehicle, .position_m = r.position_m, .axis = r.axis});
   for (Eigen::Index k = 0; k < known.size(); ++k)
     visit_parameter(known.parameters[static_cast<std::size_t>(k)],
                     PriorOfSite(site, d, {known.value[k], std::sqrt(variance[k])}));
