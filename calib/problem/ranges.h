@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -13,6 +15,17 @@
 #include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
+
+/// Temperature that was measured at an arrival: its own, else the run's, else none.
+[[nodiscard]] inline std::optional<double> measured_temperature_degC(const Arrival& arrival,
+                                                                     const MeasurementLog& run) {
+  return std::isfinite(arrival.temperature_degC) ? arrival.temperature_degC : run.temperature_degC;
+}
+/// Temperature of the medium at an arrival: as measured, else the site's.
+[[nodiscard]] inline double temperature_degC(const Arrival& arrival, const MeasurementLog& run,
+                                             const Site& site) {
+  return measured_temperature_degC(arrival, run).value_or(site.medium.temperature_degC);
+}
 
 /// Range of an arrival by the speed and delays of a state, the walk by the attenuation's prior taken out [m].
 [[nodiscard]] double prior_range_m(const Trajectory& trajectory, const ArrivalObservation& arrival,

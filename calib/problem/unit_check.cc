@@ -150,11 +150,8 @@ double stated_range_m(const Site& site, const MeasurementLog& run, const Arrival
   Medium medium = site.medium;
   if (run.relative_humidity) medium.relative_humidity = *run.relative_humidity;
   if (run.pressure_pa) medium.pressure_pa = *run.pressure_pa;
-  const double temperature = std::isfinite(a.temperature_degC)
-                                 ? a.temperature_degC
-                                 : run.temperature_degC.value_or(medium.temperature_degC);
-  return std::max(0.0, a.tof_s - stated_lateness_s(site, a)) * speed_mps(medium, temperature) /
-         site.timing.legs();
+  return std::max(0.0, a.tof_s - stated_lateness_s(site, a)) *
+         speed_mps(medium, temperature_degC(a, run, site)) / site.timing.legs();
 }
 
 std::vector<Finding> check_units(const Site& site, const MeasurementLog& run) {

@@ -3,9 +3,10 @@
 #include "calib/revisit/conditions.h"
 
 #include <algorithm>
-#include <cmath>
+#include <optional>
 #include <utility>
 
+#include "calib/problem/ranges.h"
 #include "calib/verdict/reach.h"
 #include "calib/verdict/validity.h"
 
@@ -18,8 +19,9 @@ MediumFound thermometer_of(const Deployment& d, const std::vector<MeasurementLog
   for (const MeasurementLog& run : runs)
     for (const Arrival& a : run.arrivals) {
       ++all;
-      if (!std::isfinite(a.temperature_degC) && !run.temperature_degC) continue;
-      sum += std::isfinite(a.temperature_degC) ? a.temperature_degC : *run.temperature_degC;
+      const std::optional<double> degC = measured_temperature_degC(a, run);
+      if (!degC) continue;
+      sum += *degC;
       ++count;
     }
   out.temperature_known = d.medium.model == MediumModel::kConstant || count == all;

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "calib/problem/ranges.h"
 #include "calib/problem/trilaterate.h"
-#include "calib/verdict/validity.h"
 
 namespace octant::calib {
 namespace {
@@ -154,8 +154,9 @@ class StatementWords {
         model += a.model_speed_mps;
         ++count;
         const MeasurementLog& run = stated_.problem().runs[t.run];
-        degC += a.arrival < run.arrivals.size() ? temperature_of(run.arrivals[a.arrival], run, stated_.site())
-                                                : medium.temperature_degC;
+        degC += a.arrival < run.arrivals.size()
+                    ? temperature_degC(run.arrivals[a.arrival], run, stated_.site())
+                    : medium.temperature_degC;
       }
     }
     const double n = static_cast<double>(std::max<std::size_t>(count, 1));

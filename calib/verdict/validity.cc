@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "calib/problem/ranges.h"
+
 namespace octant::calib {
 
 std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points) {
@@ -32,7 +34,7 @@ void LogExtent::add(const Trajectory& t, const MeasurementLog& run, const Site& 
   for (const Node& node : t.nodes)
     if (node.placed) places_m.emplace_back(node.T_map_vehicle.translation_m.head<2>());
   for (const ArrivalObservation& a : t.arrivals) {
-    const double degC = temperature_of(run.arrivals[a.arrival], run, site);
+    const double degC = temperature_degC(run.arrivals[a.arrival], run, site);
     coldest_degC = std::min(coldest_degC, degC);
     hottest_degC = std::max(hottest_degC, degC);
   }

@@ -16,14 +16,6 @@ namespace octant::calib {
 /// Convex hull by Andrew's monotone chain, counter-clockwise.
 [[nodiscard]] std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points);
 
-/// Temperature of the medium at an arrival: its own, else the run's, else the site's.
-[[nodiscard]] inline double temperature_of(const Arrival& arrival, const MeasurementLog& run,
-                                           const Site& site) {
-  return std::isfinite(arrival.temperature_degC)
-             ? arrival.temperature_degC
-             : run.temperature_degC.value_or(site.medium.temperature_degC);
-}
-
 /// Where vehicles were, and how warm it was when something was heard.
 struct LogExtent {
   std::vector<Eigen::Vector2d> places_m;
