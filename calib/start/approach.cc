@@ -141,7 +141,7 @@ class Approacher {
   /// A beacon of unknown height that slipped below the receivers' plane is put back above.
   bool keep_above() {
     if (problem_.site.motion != Motion::kPlanar) return false;
-    const SharedState state = estimate_.layout.state_of(estimate_.x);
+    const SharedState state = estimate_.state();
     double plane_z_m = 0.0;
     for (const Eigen::Vector3d& o : state.receiver_p_vehicle_m)
       plane_z_m += o.z() / static_cast<double>(state.receiver_p_vehicle_m.size());
@@ -157,21 +157,15 @@ class Approacher {
     return lifted;
   }
 
-  /// A solution on the way, to come back to.
-  struct Kept {
-    ParameterLayout layout;
-    Eigen::VectorXd x;
+  /// A solution on the way, to which a trial that is no better returns.
+  struct Checkpoint {
+    Estimate estimate;
     std::vector<Trajectory> trajectories;
-    AdjustResult last;
   };
-  [[nodiscard]] Kept keep() const {
-    return {estimate_.layout, estimate_.x, out_.trajectories, estimate_.last};
-  }
-  void restore(Kept kept) {
-    estimate_.layout = std::move(kept.layout);
-    estimate_.x = std::move(kept.x);
-    out_.trajectories = std::move(kept.trajectories);
-    estimate_.last = std::move(kept.last);
+  [[nodiscard]] Checkpoint checkpoint() const { return {estimate_, out_.trajectories}; }
+  void restore(Checkpoint checkpoint) {
+    estimate_ = std::move(checkpoint.estimate);
+    out_.trajectories = std::move(checkpoint.trajectories);
   }
   [[nodiscard]] ConsensusCost consensus(double early_more = 0.0) const {
     return consensus_cost_of(problem_, estimate_.layout, estimate_.x, out_.trajectories,
@@ -182,7 +176,7 @@ class Approacher {
   /// it tells the sides: the image is adjusted too, and kept where it costs less than this share.
   bool compare_image_in_wall(double share) {
     const double off_line_m = kNearLine * problem_.typical_range_m;
-    const Kept here = keep();
+    const Checkpoint here = checkpoint();
     const double cost = consensus().total();
     if (!reflect_site(problem_, estimate_.layout, estimate_.x, out_.trajectories, off_line_m)) return true;
     if (!monitor_.report("the image in the line of what is known", 0.61)) return false;
@@ -193,7 +187,7 @@ class Approacher {
 
   /// Exchanged or misplaced beacons, once the arrivals have told where they are.
   bool mend_labels() {
-    const Kept before = keep();
+    const Checkpoint before = checkpoint();
     LabelCheck check = check_labels(problem_, estimate_.layout, estimate_.x);
     if (check.mended) {
       if (!monitor_.report("adjustment with mended positions", 0.62)) return false;
@@ -208,14 +202,14 @@ class Approacher {
   /// A beacon is not where the site file has it because a robust start ended elsewhere: it is adjusted from
   /// its stated place as well, all such beacons at once, then one by one, and the stated place is disregarded
   /// only where that is clearly worse.
-  bool believe_stated(const Kept& before, LabelCheck& check) {
+  bool believe_stated(const Checkpoint& before, LabelCheck& check) {
     const auto better_than = [this](const ConsensusCost& other) {
-      const double noise = agreeing_sigma(out_.trajectories, estimate_.layout.state_of(estimate_.x));
+      const double noise = agreeing_sigma(out_.trajectories, estimate_.state());
       return consensus().total() < other.total() + kAsGoodAsStated * std::max(1.0, noise * noise);
     };
     std::vector<std::size_t> trusted;
     const std::vector<std::size_t> doubted = check.disregarded;
-    Kept best = keep();
+    Checkpoint best = checkpoint();
     ConsensusCost cost = consensus();
     for (std::size_t trial = 0;
          trial <= doubted.size() && trusted.size() < doubted.size() && (trial == 0 || doubted.size() > 1);
@@ -226,14 +220,14 @@ class Approacher {
         restore(before);
       } else {
         wanted.push_back(doubted[trial - 1]);
-        estimate_.layout = before.layout;
+        estimate_.layout = before.estimate.layout;
       }
-      LabelCheck again = check_labels(problem_, estimate_.layout, before.x, wanted);
+      LabelCheck again = check_labels(problem_, estimate_.layout, before.estimate.x, wanted);
       if (!adjust_from_stated(wanted)) return false;
       if (better_than(cost)) {
         trusted = wanted;
         check = std::move(again);
-        best = keep();
+        best = checkpoint();
         cost = consensus();
       } else {
         restore(best);
@@ -279,7 +273,7 @@ class Approacher {
       if (!moved) continue;
       if (!monitor_.report(fmt::format("another place of beacon {}", problem_.site.beacons[b].name), 0.66))
         return false;
-      const Kept here = keep();
+      const Checkpoint here = checkpoint();
       const double cost = consensus(kEarlyIsRarer).total();
       estimate_.x = *moved;
       // Where as many arrivals are late as are direct, Cauchy's loss would settle between both.
@@ -296,10 +290,10 @@ class Approacher {
   bool compare_images() {
     if (!monitor_.report("mirror images", 0.67)) return false;
     ArrivalWeights weights;  // made where there is an image, of which most sites have none
-    const auto compare = [this, &weights](const Kept& here, Preference& preferred) {
+    const auto compare = [this, &weights](const Checkpoint& here, Preference& preferred) {
       if (weights.empty()) weights = weights_by_place(problem_, here.trajectories);
-      const double noise = agreeing_sigma(here.trajectories, here.layout.state_of(here.x));
-      preferred = prefer(consensus_cost_of(problem_, here.layout, here.x, here.trajectories,
+      const double noise = agreeing_sigma(here.trajectories, here.estimate.state());
+      preferred = prefer(consensus_cost_of(problem_, here.estimate.layout, here.estimate.x, here.trajectories,
                                            options_.rejection_sigmas, weights),
                          consensus_cost_of(problem_, estimate_.layout, estimate_.x, out_.trajectories,
                                            options_.rejection_sigmas, weights),
@@ -309,17 +303,16 @@ class Approacher {
     for (std::size_t b = 0; b < estimate_.beacon_usable.size(); ++b) {
       const std::array<int, 3>& columns = estimate_.layout.beacon[b];
       if (!estimate_.beacon_usable[b] || *std::max_element(columns.begin(), columns.end()) < 0) continue;
-      auto image =
-          mirror_image(problem_, estimate_.layout.state_of(estimate_.x), out_.trajectories, b, 3 * sigma_m());
+      auto image = mirror_image(problem_, estimate_.state(), out_.trajectories, b, 3 * sigma_m());
       if (!image) image = image_across_receivers(problem_, estimate_.layout, estimate_.x, b);
       if (!image) continue;
-      const Kept here = keep();
+      const Checkpoint here = checkpoint();
       for (std::size_t i = 0; i < 3; ++i)
         if (columns[i] >= 0) estimate_.x[columns[i]] = (*image)[static_cast<Eigen::Index>(i)];
       if (!adjust_with(kCauchyScale, 1e-8)) return false;
-      const Kept there = keep();
-      const Eigen::Vector3d p_here_m = here.layout.state_of(here.x).beacon_p_map_m[b],
-                            p_there_m = there.layout.state_of(there.x).beacon_p_map_m[b];
+      const Checkpoint there = checkpoint();
+      const Eigen::Vector3d p_here_m = here.estimate.state().beacon_p_map_m[b],
+                            p_there_m = there.estimate.state().beacon_p_map_m[b];
       Preference preferred = Preference::kNeither;
       compare(here, preferred);
       // Bearings may have led it back to where it was: that is no second place.
@@ -332,7 +325,7 @@ class Approacher {
         estimate_.beacon_mirrored[b] = true;
       }
     }
-    const Kept here = keep();
+    const Checkpoint here = checkpoint();
     if (!reflect_site(problem_, estimate_.layout, estimate_.x, out_.trajectories)) return true;
     const Eigen::VectorXd image = estimate_.x;
     if (!adjust_with(kCauchyScale, 1e-8)) return false;
@@ -341,7 +334,7 @@ class Approacher {
     if (preferred != Preference::kNeither) return true;
     for (std::size_t b = 0; b < estimate_.beacon_usable.size(); ++b)
       for (const int column : {estimate_.layout.beacon[b][0], estimate_.layout.beacon[b][1]})
-        if (column >= 0 && std::abs(image[column] - here.x[column]) > tolerance_m(problem_))
+        if (column >= 0 && std::abs(image[column] - here.estimate.x[column]) > tolerance_m(problem_))
           estimate_.beacon_mirrored[b] = true;
     return true;
   }
@@ -349,8 +342,7 @@ class Approacher {
   /// States that fell into a wrong place while the beacons were off, which they may still be by so many
   /// sigmas of an arrival.
   void place_again(double scale, double uncertainty_sigmas) {
-    const EpochFixModel model =
-        search_model(problem_, estimate_.layout.state_of(estimate_.x), estimate_.beacon_usable);
+    const EpochFixModel model = search_model(problem_, estimate_.state(), estimate_.beacon_usable);
     for (Trajectory& t : out_.trajectories)
       place_states(t, model, uncertainty_sigmas * sigma_m(), true, kSuspectSigmas + scale, options_.threads);
     readmit_all(out_.trajectories, estimate_.beacon_usable);
@@ -363,7 +355,7 @@ class Approacher {
     double best = consensus().total();
     std::size_t failures = 0;
     for (const double uncertainty : kSearchScales) {
-      const Kept before = keep();
+      const Checkpoint before = checkpoint();
       if (!monitor_.report(fmt::format("search again, beacons trusted to {:.3g} sigma", uncertainty), 0.65))
         return false;
       place_again(kCauchyScale, uncertainty);
