@@ -260,9 +260,7 @@ Result<Knowledge> knowledge_of(const Problem& problem, const Solution& solution,
                "the recordings do not determine where the vehicle was: " + solution.message,
                "recordings that can be calibrated", "plan from the site file alone");
   Knowledge k;
-  k.problem.site = problem.site;
-  k.problem.typical_range_m = problem.typical_range_m;
-  k.problem.runs.resize(problem.runs.size());
+  k.problem = without_recordings(problem);
   k.state = solution.state;
   k.tof_sigma_s = solution.tof_sigma_s > 0 ? solution.tof_sigma_s : problem.site.noise.tof_sigma_s;
   const auto& known =

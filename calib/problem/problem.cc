@@ -123,6 +123,14 @@ std::vector<double> hold_levers(Site& site, const std::vector<Trajectory>& traje
 
 }  // namespace
 
+Problem without_recordings(const Problem& problem) {
+  Problem out;
+  out.site = problem.site;
+  out.runs.resize(problem.runs.size());
+  out.typical_range_m = problem.typical_range_m;
+  return out;
+}
+
 TrajectoryModel trajectory_model(const Site& site) {
   TrajectoryModel model{site.motion, site.medium, site.timing, site.noise, {}, {}};
   if (site.attenuation) model.attenuation = site.attenuation->mean();

@@ -27,6 +27,10 @@ struct Problem {
   std::vector<double> held_lever_sigma_m;
 };
 
+/// The problem as an adjustment sees it whose trajectories are elsewhere: without observations, with as many
+/// runs (each may have its own offset of the speed), which are empty.
+[[nodiscard]] Problem without_recordings(const Problem& problem);
+
 /// What the trajectories of a site need to know of it.
 [[nodiscard]] TrajectoryModel trajectory_model(const Site& site);
 

@@ -92,9 +92,7 @@ class SecondVisit {
                  std::vector<Trajectory> trajectories) {
     layout_ = make_layout(problem, state, usable);
     fit_ = Fit();
-    fit_.problem.site = problem.site;
-    fit_.problem.runs.resize(problem.runs.size());
-    fit_.problem.typical_range_m = problem.typical_range_m;
+    fit_.problem = without_recordings(problem);
     fit_.x = layout_.vector_of(state);
     fit_.layout = layout_;
     fit_.beacon_usable = std::move(usable);

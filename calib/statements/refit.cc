@@ -68,9 +68,7 @@ bool reject_and_adjust_again(const SolveOptions& options, Fit& fit) {
 Fit fit_of(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
            const std::vector<Trajectory>& trajectories) {
   Fit fit;
-  fit.problem.site = problem.site;
-  fit.problem.runs.resize(problem.runs.size());  // as many, for the offsets of the speed
-  fit.problem.typical_range_m = problem.typical_range_m;
+  fit.problem = without_recordings(problem);
   fit.layout = estimate.layout;
   fit.x = estimate.x;
   fit.last = estimate.last;
