@@ -97,13 +97,13 @@ double quantile(const std::vector<double>& values, double q) {
   return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
 }
 
-struct Sums {
+struct ErrorSums {
   std::vector<double> position_m;
   double heading_rad2 = 0.0, nees = 0.0;
   std::size_t headings = 0, nees_count = 0;
 };
 
-void add_run(const ReferencedRun& run, Motion motion, Evaluation& result, Sums& sums) {
+void add_run(const ReferencedRun& run, Motion motion, Evaluation& result, ErrorSums& sums) {
   for (const Fix& fix : run.fixes) {
     if (!fix.ok()) {
       ++result.no_fix;
@@ -138,7 +138,7 @@ Evaluation evaluate(const std::vector<Fix>& fixes, const std::vector<TimedPose>&
 
 Evaluation evaluate(const std::vector<ReferencedRun>& runs, Motion motion, const Tolerance& tolerance) {
   Evaluation result;
-  Sums sums;
+  ErrorSums sums;
   for (const ReferencedRun& run : runs) add_run(run, motion, result, sums);
   result.matched = sums.position_m.size();
   if (result.matched == 0) {

@@ -270,7 +270,7 @@ void LeverageSweep::backward(const Trajectory& t, const Segment& segment, const 
 
 /// Shift of the beacon coordinates by a push on the state of a node, beacon_root X_k'.
 const Eigen::MatrixXd& LeverageSweep::beacon_shift(std::size_t node) {
-  Shift& shift = shifts_[node % 2];
+  StateShift& shift = shifts_[node % 2];
   if (!shift.known || shift.node != node) {
     shift.by_state.noalias() =
         beacon_root_ * X_.middleRows(static_cast<Eigen::Index>(node - first_) * n_, n_).transpose();

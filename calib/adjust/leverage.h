@@ -132,12 +132,12 @@ class LeverageSweep {
   RowMatrix G_, lateness_G_, X_;
   std::vector<NodeBlock> P_, cross_;
   Eigen::RowVectorXd f_;
-  struct Shift {
+  struct StateShift {
     std::size_t node = 0;
     bool known = false;
     Eigen::MatrixXd by_state;  ///< beacon coordinates x state
   };
-  std::array<Shift, 2> shifts_;
+  std::array<StateShift, 2> shifts_;
   RowEntries entries_;  ///< of the row projected last
 };
 

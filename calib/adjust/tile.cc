@@ -59,7 +59,7 @@ void Tile::find_columns() {
   const Trajectory& t = *trajectory_;
   std::vector<char> touched(static_cast<std::size_t>(layout.size()), 0);
   const auto touch = [&](const PathColumns& path) {
-    for (const PathColumns::Entry& of : path) touched[static_cast<std::size_t>(of.column)] = 1;
+    for (const PathColumns::Column& of : path) touched[static_cast<std::size_t>(of.column)] = 1;
   };
   if (chains_)
     for (const PathColumns& path : chains_->paths()) touch(path);

@@ -15,7 +15,7 @@ namespace octant::calib {
 namespace {
 
 using chain::AlignedDoubles;
-using chain::Remains;
+using chain::ReducedStretch;
 using chain::Stretch;
 using chain::StretchReducer;
 
@@ -33,7 +33,7 @@ class Joiner {
         columns_(static_cast<std::size_t>(system.H.cols())),
         width_((columns_ + kBorderPad) / kBorderPad * kBorderPad) {}
 
-  void add_stretch(const Stretch& stretch, const Remains& from) {
+  void add_stretch(const Stretch& stretch, const ReducedStretch& from) {
     const std::size_t m = from.columns.size(), gradient = m + (stretch.has_left ? n : 0);
     cost_ += from.cost + 0.5 * from.H.data()[gradient * from.width + gradient];
     for (std::size_t i = 0; i < m; ++i) {
@@ -85,7 +85,7 @@ class Joiner {
 
  private:
   /// What a stretch adds to the end before it.
-  void join_left(const Remains& from, std::size_t gradient) {
+  void join_left(const ReducedStretch& from, std::size_t gradient) {
     for (std::size_t i = 0; i < n; ++i) {
       const double* row = from.H.data() + (from.left() + i) * from.width;
       for (std::size_t j = 0; j < n; ++j)
@@ -123,14 +123,14 @@ double reduce_segment(const ChainReduction& chain, const Segment& segment, const
   const std::vector<Stretch> stretches = stretches_of(segment.last_node - segment.first_node);
   const std::size_t at_once =
       std::clamp<std::size_t>(kDoublesAtOnce / std::max<std::size_t>(columns * columns, 1), 2, 32);
-  std::vector<Remains> remains(std::min(at_once, stretches.size()));
+  std::vector<ReducedStretch> reduced(std::min(at_once, stretches.size()));
   Joiner<N> join(system);
   for (std::size_t first = 0; first < stretches.size(); first += at_once) {
     const std::size_t count = std::min(at_once, stretches.size() - first);
     for_each_parallel(count, threads, [&](std::size_t i) {
-      StretchReducer<N>(chain, segment, state, loss, place, columns).reduce(stretches[first + i], remains[i]);
+      StretchReducer<N>(chain, segment, state, loss, place, columns).reduce(stretches[first + i], reduced[i]);
     });
-    for (std::size_t i = 0; i < count; ++i) join.add_stretch(stretches[first + i], remains[i]);
+    for (std::size_t i = 0; i < count; ++i) join.add_stretch(stretches[first + i], reduced[i]);
   }
   return join.finish();
 }
@@ -141,7 +141,7 @@ void reduce_open_segment(const ChainReduction& chain, const Segment& segment, co
                          OpenChain& out) {
   const Stretch stretch{out.has_left, out.has_right, out.has_left ? 1U : 0U,
                         segment.last_node - segment.first_node - (out.has_right ? 1U : 0U)};
-  Remains from;
+  ReducedStretch from;
   StretchReducer<N>(chain, segment, state, loss, place, columns).reduce(stretch, from);
   // Where each column of its border stands; the gradient's is the last.
   const std::size_t gradient = from.gradient(out.has_left ? N : 0);

@@ -20,7 +20,7 @@ namespace octant::calib::chain {
 /// A path's free parameters in a stretch.
 struct LocalPath {
   int count = -1;  ///< -1: not met
-  std::array<PathColumns::Entry, PathColumns::kCapacity> entry;
+  std::array<PathColumns::Column, PathColumns::kCapacity> entry;
 };
 
 /// Where each column of the system stands in a stretch, kept by each thread. Between two stretches no column
@@ -53,7 +53,7 @@ class StretchReducer {
     if (memory_.paths.size() < chain.paths().size()) memory_.paths.resize(chain.paths().size());
   }
 
-  void reduce(const Stretch& stretch, Remains& out) {
+  void reduce(const Stretch& stretch, ReducedStretch& out) {
     stretch_ = &stretch;
     out_ = &out;
     out.cost = 0.0;
@@ -120,7 +120,7 @@ class StretchReducer {
       if (l.paths[at].count >= 0) continue;
       l.paths[at].count = 0;
       l.met.push_back(at);
-      for (const PathColumns::Entry& e : chain_.paths()[at]) see(e.column);
+      for (const PathColumns::Column& e : chain_.paths()[at]) see(e.column);
     }
     for (std::size_t i = bearing_; i < segment_.last_bearing && t_.bearings[i].node < end; ++i)
       if (t_.bearings[i].rejection == Rejection::kUsed && t_.bearings[i].reflector.valid())
@@ -131,10 +131,10 @@ class StretchReducer {
     for (const std::size_t p : l.met) find_entries(chain_.paths()[p], l.paths[p]);
   }
   void find_entries(const PathColumns& path, LocalPath& out) const {
-    for (const PathColumns::Entry& of_system : path) {
+    for (const PathColumns::Column& of_system : path) {
       const int column = place_[static_cast<std::size_t>(of_system.column)];
       if (column < 0) continue;
-      PathColumns::Entry& entry = out.entry[static_cast<std::size_t>(out.count++)];
+      PathColumns::Column& entry = out.entry[static_cast<std::size_t>(out.count++)];
       entry = of_system;
       entry.column = memory_.of_system[static_cast<std::size_t>(column)];
     }
@@ -235,7 +235,7 @@ class StretchReducer {
     RowBorder border;
     border.count = path.count;
     for (std::size_t i = 0; i < static_cast<std::size_t>(path.count); ++i) {
-      const PathColumns::Entry& e = path.entry[i];
+      const PathColumns::Column& e = path.entry[i];
       if (e.what == kByRadius)
         base[kByRadius] = by_receiver.head<2>().dot(o.head<2>()) / std::max(o.head<2>().norm(), 1e-300);
       border.at[i] = e.column;
@@ -291,7 +291,7 @@ class StretchReducer {
   ArrivalWhitening whitening_;
   bool is_planar_, is_spatial_;
   const Stretch* stretch_ = nullptr;
-  Remains* out_ = nullptr;
+  ReducedStretch* out_ = nullptr;
   StretchWindow<N>* window_ = nullptr;
   std::size_t arrival_ = 0, bearing_ = 0, pose_ = 0, odometry_ = 0, motion_ = 0;
   ObservationRow rows_[6];

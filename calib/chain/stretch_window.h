@@ -33,10 +33,10 @@ class AlignedDoubles {
 
  private:
   static constexpr std::size_t kVectorBytes = 64;
-  struct Free {
+  struct AlignedDelete {
     void operator()(double* data) const { ::operator delete[](data, std::align_val_t(kVectorBytes)); }
   };
-  std::unique_ptr<double[], Free> data_;  // NOLINT(modernize-avoid-c-arrays)
+  std::unique_ptr<double[], AlignedDelete> data_;  // NOLINT(modernize-avoid-c-arrays)
   std::size_t size_ = 0;
 };
 
@@ -48,7 +48,7 @@ struct Stretch {
 };
 
 /// What is left of a stretch: its border is the parameters that it sees, the left end, and the gradient.
-struct Remains {
+struct ReducedStretch {
   double cost = 0.0;         ///< of its rows at the states as they are
   std::vector<int> columns;  ///< of the system, ascending
   std::size_t width = 0;
@@ -77,7 +77,7 @@ class StretchWindow {
  public:
   static constexpr std::size_t n = N;
 
-  StretchWindow(WindowMemory& memory, const Stretch& stretch, Remains& out)
+  StretchWindow(WindowMemory& memory, const Stretch& stretch, ReducedStretch& out)
       : memory_(memory),
         out_(out),
         gradient_(out.gradient(stretch.has_left ? n : 0)),
@@ -149,14 +149,14 @@ class StretchWindow {
   void add_step(const Step& step) {
     if (!is_left_) {
       Block A(D(slot_)), C(U(slot_)), B(D(slot_ + 1));
-      Gradient a{G(slot_) + gradient_, width_}, b{G(slot_ + 1) + gradient_, width_};
+      GradientColumn a{G(slot_) + gradient_, width_}, b{G(slot_ + 1) + gradient_, width_};
       step.add_to(A, a, C, B, b);
       return;
     }
     Eigen::Matrix<double, N, N> A = Eigen::Matrix<double, N, N>::Zero(), C = A;
     Eigen::Matrix<double, N, 1> a = Eigen::Matrix<double, N, 1>::Zero();
     Block B(D(0));
-    Gradient b{G(0) + gradient_, width_};
+    GradientColumn b{G(0) + gradient_, width_};
     step.add_to(A, a, C, B, b);
     for (Eigen::Index i = 0; i < N; ++i) {
       const auto r = static_cast<std::size_t>(i);
@@ -172,7 +172,7 @@ class StretchWindow {
  private:
   using Block = Eigen::Map<Eigen::Matrix<double, N, N, Eigen::RowMajor>>;
   /// A column of the border.
-  struct Gradient {
+  struct GradientColumn {
     double* first;
     std::size_t stride;
     double& operator[](std::size_t i) { return first[i * stride]; }
@@ -239,7 +239,7 @@ class StretchWindow {
   }
 
   WindowMemory& memory_;
-  Remains& out_;
+  ReducedStretch& out_;
   std::size_t gradient_, width_, slots_;
   std::size_t used_ = 0, slot_ = 0;
   bool is_left_ = false;

@@ -85,11 +85,11 @@ void ErrorComponents::set_signs(Eigen::Index m, std::size_t draw, std::size_t co
     errors[rows[i]].of[column] = value[static_cast<std::size_t>(cell[i])];
 }
 
-Eigen::MatrixXd ErrorComponents::sums_of(const std::vector<DrawLine>& r, Room& room) const {
+Eigen::MatrixXd ErrorComponents::sums_of(const std::vector<DrawLine>& r, Scratch& scratch) const {
   Eigen::MatrixXd q = Eigen::MatrixXd::Zero(size(), static_cast<Eigen::Index>(kDrawsAbreast));
   for (const bool bearings : {false, true}) {
     if (count(bearings) == 0) continue;
-    const Eigen::MatrixXd squares = sums_[bearings].squares(r, room[bearings]);
+    const Eigen::MatrixXd squares = sums_[bearings].squares(r, scratch[bearings]);
     for (Eigen::Index m = 0; m < size(); ++m) {
       const ErrorComponent& c = (*this)[m];
       if (c.bearings != bearings) continue;

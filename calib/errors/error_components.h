@@ -53,8 +53,8 @@ class ErrorComponents {
   void set_signs(Eigen::Index m, std::size_t draw, std::size_t column, DrawBits& random,
                  std::vector<DrawLine>& errors) const;
   /// Sums of squares of all components, rows, of each draw: |Z'r|^2, averaged over partitions.
-  using Room = std::array<CellSums::Room, 2>;
-  [[nodiscard]] Eigen::MatrixXd sums_of(const std::vector<DrawLine>& r, Room& room) const;
+  using Scratch = std::array<CellSums::Scratch, 2>;
+  [[nodiscard]] Eigen::MatrixXd sums_of(const std::vector<DrawLine>& r, Scratch& scratch) const;
   /// F'Z Z'F of a component, averaged over partitions.
   [[nodiscard]] Eigen::MatrixXd squares_of_influence(Eigen::Index m, const ErrorDraws& draws) const;
 

@@ -85,23 +85,23 @@ void CellSums::arrange() {
   }
 }
 
-Eigen::MatrixXd CellSums::squares(const std::vector<DrawLine>& draws, Room& room) const {
+Eigen::MatrixXd CellSums::squares(const std::vector<DrawLine>& draws, Scratch& scratch) const {
   using ByDraw = Eigen::Matrix<double, Eigen::Dynamic, static_cast<int>(kDrawsAbreast), Eigen::RowMajor>;
   ByDraw out = ByDraw::Zero(static_cast<Eigen::Index>(partitions_.size() + 1), kDrawsAbreast);
-  room.values.resize(rows_.size());
-  for (std::size_t i = 0; i < rows_.size(); ++i) room.values[i] = draws[rows_[i]];
-  room.sums.resize(partitions_.size());
+  scratch.values.resize(rows_.size());
+  for (std::size_t i = 0; i < rows_.size(); ++i) scratch.values[i] = draws[rows_[i]];
+  scratch.sums.resize(partitions_.size());
   for (const std::size_t m : order_) {
     const Partition& p = partitions_[m];
-    std::vector<DrawLine>& sums = room.sums[m];
+    std::vector<DrawLine>& sums = scratch.sums[m];
     sums.assign(static_cast<std::size_t>(p.count), {});
     if (p.finer < 0)
-      add_to_cells(p.cell, room.values.data(), sums.data());
+      add_to_cells(p.cell, scratch.values.data(), sums.data());
     else
-      add_to_cells(p.of_finer, room.sums[static_cast<std::size_t>(p.finer)].data(), sums.data());
+      add_to_cells(p.of_finer, scratch.sums[static_cast<std::size_t>(p.finer)].data(), sums.data());
     add_squares(sums.data(), sums.size(), &out(static_cast<Eigen::Index>(m), 0));
   }
-  add_squares(room.values.data(), room.values.size(), &out(out.rows() - 1, 0));
+  add_squares(scratch.values.data(), scratch.values.size(), &out(out.rows() - 1, 0));
   return out;
 }
 
@@ -111,15 +111,15 @@ ErrorDraws::ErrorDraws(const ErrorSample& sample)
     : sample_(sample), F_(sample.F.data(), sample.F.data() + sample.F.size()) {}
 
 void ErrorDraws::adjust(std::vector<DrawLine>& errors, const std::vector<DrawLine>& of_priors,
-                        Room& room) const {
+                        Scratch& scratch) const {
   const auto rank = static_cast<std::size_t>(sample_.F.cols());
   if (of_priors.empty())
-    room.shared.assign(rank, {});
+    scratch.shared.assign(rank, {});
   else
-    room.shared = of_priors;
-  add_projection(F_.data(), errors.size(), rank, errors.data(), room.shared.data());
-  subtract_states(sample_.J, sample_.chains, errors, room.states);
-  subtract_product(F_.data(), errors.size(), rank, room.shared.data(), errors.data());
+    scratch.shared = of_priors;
+  add_projection(F_.data(), errors.size(), rank, errors.data(), scratch.shared.data());
+  subtract_states(sample_.J, sample_.chains, errors, scratch.states);
+  subtract_product(F_.data(), errors.size(), rank, scratch.shared.data(), errors.data());
 }
 
 std::vector<DrawLine> ErrorDraws::of_priors(std::uint64_t stream) const {

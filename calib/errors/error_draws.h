@@ -44,13 +44,13 @@ class CellSums {
   [[nodiscard]] std::int32_t count(std::size_t partition) const { return partitions_[partition].count; }
 
   /// What one thread needs for it.
-  struct Room {
+  struct Scratch {
     std::vector<DrawLine> values;
     std::vector<std::vector<DrawLine>> sums;
   };
   /// Squares of the sums over the cells of each partition, a row each, of each draw; the last row: of the
   /// observations themselves.
-  [[nodiscard]] Eigen::MatrixXd squares(const std::vector<DrawLine>& draws, Room& room) const;
+  [[nodiscard]] Eigen::MatrixXd squares(const std::vector<DrawLine>& draws, Scratch& scratch) const;
 
  private:
   struct Partition {
@@ -71,13 +71,13 @@ class ErrorDraws {
  public:
   explicit ErrorDraws(const ErrorSample& sample);
 
-  struct Room {
+  struct Scratch {
     std::vector<DrawLine> shared;
     std::vector<StateLine> states;
   };
   /// Residuals that errors leave when parameters and states have been adjusted to them, M e.
   /// @param of_priors  of each shared direction: what the errors of priors add to F'e; empty: none
-  void adjust(std::vector<DrawLine>& errors, const std::vector<DrawLine>& of_priors, Room& room) const;
+  void adjust(std::vector<DrawLine>& errors, const std::vector<DrawLine>& of_priors, Scratch& scratch) const;
   /// Errors of priors as stated.
   [[nodiscard]] std::vector<DrawLine> of_priors(std::uint64_t stream) const;
   /// F T.  @param T  rank x at most sixteen

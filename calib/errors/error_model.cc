@@ -33,7 +33,7 @@ using Lines = std::vector<DrawLine>;
 
 /// What simulated errors leave, of each draw: sums of squares of all components, rows; squares of all
 /// residuals.
-struct Drawn {
+struct DrawnSums {
   Eigen::MatrixXd sums;
   Eigen::RowVectorXd squares;
 };
@@ -138,46 +138,46 @@ class Estimator {
   }
 
   /// What a thread works with, panel after panel.
-  struct Room {
+  struct Scratch {
     Lines lines;
-    ErrorDraws::Room adjusting;
-    ErrorComponents::Room summing;
+    ErrorDraws::Scratch adjusting;
+    ErrorComponents::Scratch summing;
   };
-  /// Calls work(panel, room) for each.
+  /// Calls work(panel, scratch) for each.
   template <class Work>
   void for_each_panel(std::size_t panels, Work&& work) const {
-    const std::size_t rooms = std::min(panels, static_cast<std::size_t>(std::max(threads_, 1)));
-    for_each_parallel(rooms, threads_, [&](std::size_t first) {
-      Room room;
-      for (std::size_t panel = first; panel < panels; panel += rooms) work(panel, room);
+    const std::size_t workers = std::min(panels, static_cast<std::size_t>(std::max(threads_, 1)));
+    for_each_parallel(workers, threads_, [&](std::size_t first) {
+      Scratch scratch;
+      for (std::size_t panel = first; panel < panels; panel += workers) work(panel, scratch);
     });
   }
 
   /// Residuals of simulated errors, panel by panel, each of which a processor's cache holds.
   /// @param fill  (panel, errors): errors of the observations, which are 0; returns those of priors
   template <class Fill>
-  [[nodiscard]] Drawn simulated(std::size_t panels, Fill&& fill) const {
+  [[nodiscard]] DrawnSums simulated(std::size_t panels, Fill&& fill) const {
     constexpr auto kWidth = static_cast<Eigen::Index>(kDrawsAbreast);
     const Eigen::Index draws = static_cast<Eigen::Index>(panels) * kWidth;
-    Drawn out{Eigen::MatrixXd(size(), draws), Eigen::RowVectorXd::Zero(draws)};
-    for_each_panel(panels, [&](std::size_t panel, Room& room) {
+    DrawnSums out{Eigen::MatrixXd(size(), draws), Eigen::RowVectorXd::Zero(draws)};
+    for_each_panel(panels, [&](std::size_t panel, Scratch& scratch) {
       const Eigen::Index first = static_cast<Eigen::Index>(panel) * kWidth;
-      Lines& errors = room.lines;
+      Lines& errors = scratch.lines;
       errors.assign(sample_.rows.size(), {});
       const Lines of_priors = fill(panel, errors);
-      draws_.adjust(errors, of_priors, room.adjusting);
+      draws_.adjust(errors, of_priors, scratch.adjusting);
       add_squares(errors.data(), errors.size(), out.squares.data() + first);
-      out.sums.middleCols(first, kWidth) = components_.sums_of(errors, room.summing);
+      out.sums.middleCols(first, kWidth) = components_.sums_of(errors, scratch.summing);
     });
     return out;
   }
 
   [[nodiscard]] Eigen::VectorXd sums_of_residuals() const {
-    Room room;
-    room.lines.resize(sample_.rows.size());
-    for (std::size_t i = 0; i < room.lines.size(); ++i)
-      room.lines[i].of[0] = static_cast<float>(sample_.residual[static_cast<Eigen::Index>(i)]);
-    return components_.sums_of(room.lines, room.summing).col(0);
+    Scratch scratch;
+    scratch.lines.resize(sample_.rows.size());
+    for (std::size_t i = 0; i < scratch.lines.size(); ++i)
+      scratch.lines[i].of[0] = static_cast<float>(sample_.residual[static_cast<Eigen::Index>(i)]);
+    return components_.sums_of(scratch.lines, scratch.summing).col(0);
   }
 
   /// Mean sums of squares under each component of unit variance; components that residuals do not show are
@@ -189,8 +189,8 @@ class Estimator {
     const std::size_t draws =
                           std::clamp(kDrawnNumbers / sample_.rows.size() / 3 * 3, kFewestDraws, kMostDraws),
                       all = draws * static_cast<std::size_t>(size());
-    const Drawn drawn = simulated((all + kDrawsAbreast - 1) / kDrawsAbreast, [&](std::size_t panel,
-                                                                                 Lines& errors) {
+    const DrawnSums drawn = simulated((all + kDrawsAbreast - 1) / kDrawsAbreast, [&](std::size_t panel,
+                                                                                     Lines& errors) {
       DrawBits random(5000 + panel);
       for (std::size_t k = 0, column = panel * kDrawsAbreast; k < kDrawsAbreast && column < all;
            ++k, ++column)
@@ -232,13 +232,14 @@ class Estimator {
     constexpr auto kWidth = static_cast<Eigen::Index>(kDrawsAbreast);
     const Eigen::Index p = sample_.L.rows();
     Eigen::MatrixXd influence(p, size());
-    for_each_panel(static_cast<std::size_t>((p + kWidth - 1) / kWidth), [&](std::size_t panel, Room& room) {
-      const Eigen::Index first = static_cast<Eigen::Index>(panel) * kWidth,
-                         width = std::min(kWidth, p - first);
-      draws_.influence_times(sample_.L.middleRows(first, width).transpose(), room.lines);
-      influence.middleRows(first, width) =
-          components_.sums_of(room.lines, room.summing).leftCols(width).transpose();
-    });
+    for_each_panel(static_cast<std::size_t>((p + kWidth - 1) / kWidth),
+                   [&](std::size_t panel, Scratch& scratch) {
+                     const Eigen::Index first = static_cast<Eigen::Index>(panel) * kWidth,
+                                        width = std::min(kWidth, p - first);
+                     draws_.influence_times(sample_.L.middleRows(first, width).transpose(), scratch.lines);
+                     influence.middleRows(first, width) =
+                         components_.sums_of(scratch.lines, scratch.summing).leftCols(width).transpose();
+                   });
     return influence;
   }
 

@@ -121,7 +121,7 @@ class Collector {
   }
 
  private:
-  struct OfBeacon {
+  struct BeaconSums {
     ResidualSums part;
     double sum_s = 0.0, squares_s2 = 0.0;
     std::size_t uncontrolled = 0;
@@ -159,7 +159,7 @@ class Collector {
       s.mdb_m = s.mdb_s * range_per_s;
       s.influence_m = l.shift_m * kDelta0 / std::sqrt(r);
     }
-    OfBeacon& b = beacons_[a.beacon.index()];
+    BeaconSums& b = beacons_[a.beacon.index()];
     b.part.add(l.residual, r);
     b.sum_s += s.residual_s;
     b.squares_s2 += s.residual_s * s.residual_s;
@@ -268,7 +268,7 @@ class Collector {
   }
 
   void beacon(std::size_t index) {
-    const OfBeacon& sums = beacons_[index];
+    const BeaconSums& sums = beacons_[index];
     BeaconReliability b;
     b.name = problem_.site.beacons[index].name;
     b.used = sums.part.observations;
@@ -331,7 +331,7 @@ class Collector {
   LeverageSweep sweep_;
   double variance_scale_;
   std::array<ResidualSums, kKinds> kinds_;
-  std::vector<OfBeacon> beacons_;
+  std::vector<BeaconSums> beacons_;
   std::vector<LatenessInformation> lateness_;
   std::vector<GroupedResidual> by_beacon_, by_receiver_, by_distance_, by_temperature_, by_incidence_,
       by_time_;

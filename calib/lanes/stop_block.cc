@@ -24,7 +24,7 @@ void prefetch(const void* from, std::size_t bytes) {
 }
 
 /// Arrivals over a path.
-struct Count {
+struct SlotCount {
   std::uint32_t here = 0, stamp = 0;  ///< in an epoch, and in which
   std::uint32_t most = 0;             ///< in an epoch of the pack
   std::size_t first = 0;              ///< slot
@@ -133,7 +133,7 @@ void StopBlock::group(const StopArrivals& arrivals) {
       groups_.push_back({p, p, {}});
       heard_by_first = heard.size();
     }
-    Group& g = groups_.back();
+    PackGroup& g = groups_.back();
     g.last = p + 1;
     for (const std::int32_t beacon : heard) {
       auto& of = group_of[static_cast<std::size_t>(beacon)];
@@ -141,7 +141,7 @@ void StopBlock::group(const StopArrivals& arrivals) {
       of = groups_.size() - 1;
     }
   }
-  for (Group& g : groups_) std::sort(g.beacons.begin(), g.beacons.end());
+  for (PackGroup& g : groups_) std::sort(g.beacons.begin(), g.beacons.end());
 }
 
 void StopBlock::pack(const StopArrivals& arrivals) {
@@ -150,32 +150,34 @@ void StopBlock::pack(const StopArrivals& arrivals) {
   std::fill(std::begin(nothing.of), std::end(nothing.of), NAN);
   std::fill(std::begin(usual.of), std::end(usual.of), t.nominal_speed_mps);
   std::vector<std::size_t> local(layout_->beacon.size(), 0);
-  std::vector<Count> count;  // of the present group's paths
+  std::vector<SlotCount> count;  // of the present group's paths
   std::uint32_t stamp = 0;
   // Calls visit(arrival, path) for those in use of an epoch, with how many came over that path before.
   const auto for_each_used = [&](std::size_t epoch, auto&& visit) {
     ++stamp;
     for (std::size_t i = epochs_[epoch].first_arrival; i < epochs_[epoch].last_arrival; ++i) {
       if (!arrivals.used(i)) continue;
-      Count& path = count[local[arrivals.beacon(i)] * receivers_ + arrivals.receiver(i) - first_receiver_];
+      SlotCount& path =
+          count[local[arrivals.beacon(i)] * receivers_ + arrivals.receiver(i) - first_receiver_];
       if (path.stamp != stamp) path.here = 0;
       path.stamp = stamp;
       visit(i, path);
       ++path.here;
     }
   };
-  const auto begin_group = [&](const Group& g) {
+  const auto begin_group = [&](const PackGroup& g) {
     for (std::size_t i = 0; i < g.beacons.size(); ++i) local[static_cast<std::size_t>(g.beacons[i])] = i;
     count.assign(g.beacons.size() * receivers_, {});
   };
   pack_first_.reserve(epochs_.size() / kLanes + 2);
-  for (const Group& g : groups_) {
+  for (const PackGroup& g : groups_) {
     begin_group(g);
     for (std::size_t p = g.first; p < g.last; ++p) {
-      for (Count& path : count) path.most = 0;
+      for (SlotCount& path : count) path.most = 0;
       for (std::size_t e = p * kLanes; e < p * kLanes + epochs_in(p); ++e)
-        for_each_used(
-            e, [](std::size_t /*arrival*/, Count& path) { path.most = std::max(path.most, path.here + 1); });
+        for_each_used(e, [](std::size_t /*arrival*/, SlotCount& path) {
+          path.most = std::max(path.most, path.here + 1);
+        });
       pack_first_.push_back(slots_.size());
       for (std::size_t r = 0; r < receivers_; ++r)
         for (std::size_t b = 0; b < g.beacons.size(); ++b)
@@ -187,14 +189,14 @@ void StopBlock::pack(const StopArrivals& arrivals) {
   states_.resize(pack_first_.size() - 1);
   tof_s_.assign(slots_.size(), nothing);
   if (own_speeds_) model_speed_mps_.assign(slots_.size(), usual);
-  for (const Group& g : groups_) {
+  for (const PackGroup& g : groups_) {
     begin_group(g);
     for (std::size_t p = g.first; p < g.last; ++p) {
       for (std::size_t slot = pack_first_[p + 1]; slot-- > pack_first_[p];)
         count[slots_[slot].beacon * receivers_ + slots_[slot].receiver].first = slot;
       for (std::size_t e = p * kLanes; e < p * kLanes + epochs_in(p); ++e) {
         const std::size_t lane = e % kLanes;
-        for_each_used(e, [&](std::size_t i, const Count& path) {
+        for_each_used(e, [&](std::size_t i, const SlotCount& path) {
           tof_s_[path.first + path.here].of[lane] = arrivals.tof_s(i);
           if (own_speeds_) model_speed_mps_[path.first + path.here].of[lane] = t.arrivals[i].model_speed_mps;
         });
@@ -206,7 +208,7 @@ void StopBlock::pack(const StopArrivals& arrivals) {
 }
 
 void StopBlock::collect_heard(std::vector<char>& beacons, std::vector<char>& receivers) const {
-  for (const Group& g : groups_)
+  for (const PackGroup& g : groups_)
     for (const std::int32_t b : g.beacons) beacons[static_cast<std::size_t>(b)] = 1;
   for (const StopSlot& slot : slots_) receivers[first_receiver_ + slot.receiver] = 1;
 }
@@ -267,7 +269,7 @@ StopTables StopBlock::tables_at(const SharedState& state, const RobustLoss& loss
   return tables;
 }
 
-StopPack StopBlock::pack_of(std::size_t p, const Group& group) const {
+StopPack StopBlock::pack_of(std::size_t p, const PackGroup& group) const {
   const std::size_t first = pack_first_[p];
   return {pack_first_[p + 1] - first, slots_.data() + first,
           tof_s_.data() + first,      own_speeds_ ? model_speed_mps_.data() + first : nullptr,
@@ -278,7 +280,7 @@ double StopBlock::solve_states(const SharedState& state, const RobustLoss& loss)
   const StopTables tables = tables_at(state, loss);
   double cost = 0.0;
   states_ = committed_;
-  for (const Group& g : groups_)
+  for (const PackGroup& g : groups_)
     for (std::size_t p = g.first; p < g.last; ++p) {
       StopOutcome outcome;
       solve_stops(tables, pack_of(p, g), states_[p], outcome);
@@ -297,14 +299,14 @@ double StopBlock::solve_states(const SharedState& state, const RobustLoss& loss)
   return cost;
 }
 
-std::vector<StopBlock::Targets> StopBlock::targets_of(const Group& group, const SharedState& state,
-                                                      const std::vector<int>& place) const {
+std::vector<StopBlock::ColumnTargets> StopBlock::targets_of(const PackGroup& group, const SharedState& state,
+                                                            const std::vector<int>& place) const {
   const StopLayout local{group.beacons.size(), receivers_, false, {}};
-  std::vector<Targets> targets(local.columns());
+  std::vector<ColumnTargets> targets(local.columns());
   const auto aim = [&](std::size_t column, int parameter, double factor) {
     const int at = parameter < 0 ? -1 : place[static_cast<std::size_t>(parameter)];
     if (at < 0) return;
-    Targets& t = targets[column];
+    ColumnTargets& t = targets[column];
     t.column[t.count] = at;
     t.factor[t.count++] = factor * layout_->parameters[static_cast<std::size_t>(parameter)].si_per_unit;
   };
@@ -335,9 +337,9 @@ std::vector<StopBlock::Targets> StopBlock::targets_of(const Group& group, const 
   return targets;
 }
 
-void StopBlock::add_group(const Group& group, const StopTables& tables, const SharedState& state,
+void StopBlock::add_group(const PackGroup& group, const StopTables& tables, const SharedState& state,
                           const std::vector<int>& place, ReducedSystem& system) {
-  const std::vector<Targets> targets = targets_of(group, state, place);
+  const std::vector<ColumnTargets> targets = targets_of(group, state, place);
   StopLayout local{group.beacons.size(), receivers_, false, {}};
   for (std::size_t c = 0; c < targets.size(); ++c) {
     if (targets[c].count == 0) continue;
@@ -352,10 +354,10 @@ void StopBlock::add_group(const Group& group, const StopTables& tables, const Sh
   sums.finish(local, tables.sigma_s, H, gradient);
   const std::size_t stride = local.columns();
   for (const std::size_t i : local.active) {
-    const Targets& ti = targets[i];
+    const ColumnTargets& ti = targets[i];
     for (int m = 0; m < ti.count; ++m) system.gradient[ti.column[m]] += ti.factor[m] * gradient[i];
     for (const std::size_t j : local.active) {
-      const Targets& tj = targets[j];
+      const ColumnTargets& tj = targets[j];
       const double h = i <= j ? H[i * stride + j] : H[j * stride + i];
       for (int m = 0; m < ti.count; ++m)
         for (int n = 0; n < tj.count; ++n)
@@ -368,7 +370,7 @@ void StopBlock::add_group(const Group& group, const StopTables& tables, const Sh
 void StopBlock::reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
                        ReducedSystem& system) {
   const StopTables tables = tables_at(state, loss);
-  for (const Group& group : groups_) add_group(group, tables, state, place, system);
+  for (const PackGroup& group : groups_) add_group(group, tables, state, place, system);
 }
 
 void StopBlock::rewind() {

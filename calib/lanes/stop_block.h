@@ -90,12 +90,12 @@ class StopBlock {
     std::size_t pose = 0;  ///< measured, if there is one
   };
   /// Packs [first, last) share a list of beacons.
-  struct Group {
+  struct PackGroup {
     std::size_t first = 0, last = 0;
     std::vector<std::int32_t> beacons;
   };
   /// Where a column of a group goes: nowhere if it is held, to two places if they share it.
-  struct Targets {
+  struct ColumnTargets {
     int count = 0;
     int column[2] = {};  ///< of the tile's system
     double factor[2] = {};
@@ -106,16 +106,16 @@ class StopBlock {
   void group(const StopArrivals& arrivals);
   void pack(const StopArrivals& arrivals);
   [[nodiscard]] StopTables tables_at(const SharedState& state, const RobustLoss& loss);
-  [[nodiscard]] StopPack pack_of(std::size_t p, const Group& group) const;
+  [[nodiscard]] StopPack pack_of(std::size_t p, const PackGroup& group) const;
   [[nodiscard]] std::size_t epochs_in(std::size_t p) const {
     return std::min(kLanes, epochs_.size() - p * kLanes);
   }
   void put(std::size_t epoch, const Node& node);
   void put(std::size_t epoch, const PoseObservation& pose);
   void show(std::size_t epoch);
-  [[nodiscard]] std::vector<Targets> targets_of(const Group& group, const SharedState& state,
-                                                const std::vector<int>& place) const;
-  void add_group(const Group& group, const StopTables& tables, const SharedState& state,
+  [[nodiscard]] std::vector<ColumnTargets> targets_of(const PackGroup& group, const SharedState& state,
+                                                      const std::vector<int>& place) const;
+  void add_group(const PackGroup& group, const StopTables& tables, const SharedState& state,
                  const std::vector<int>& place, ReducedSystem& system);
 
   Trajectory* trajectory_;
@@ -125,7 +125,7 @@ class StopBlock {
   double speed_mps_ = 0.0;     ///< of the medium, where it is the same for all arrivals
   bool own_speeds_ = false;    ///< else
   std::vector<Epoch> epochs_;  ///< in the order of packing, eight a pack
-  std::vector<Group> groups_;
+  std::vector<PackGroup> groups_;
   std::vector<std::size_t> pack_first_;  ///< first slot of each pack
   std::vector<StopSlot> slots_;
   std::vector<Lanes> tof_s_, model_speed_mps_;  ///< of each slot

@@ -26,8 +26,8 @@ double LogCounts::all_arrivals() const { return std::accumulate(arrivals.begin()
 
 namespace {
 
-double sigma_factor(double whole, double few) {
-  return whole > few && few > 0 ? std::sqrt(few / whole) : 1.0;
+double sigma_factor(double complete, double subsampled) {
+  return complete > subsampled && subsampled > 0 ? std::sqrt(subsampled / complete) : 1.0;
 }
 
 /// Odometry of a drive's stretches stands for that of stretches left out; what was summed up between them is
@@ -48,19 +48,22 @@ void weigh_odometry(Trajectory& t, double factor) {
 
 /// Each observation as accurate as all those together that it stands for. Odometry between stops is complete
 /// as it is.
-void weight_as_complete(std::vector<Trajectory>& trajectories, const LogCounts& whole, const LogCounts& few) {
-  const double pose = sigma_factor(whole.poses, few.poses);
-  const double drive = sigma_factor(whole.all_arrivals(), few.all_arrivals());
+void weight_as_complete(std::vector<Trajectory>& trajectories, const LogCounts& complete,
+                        const LogCounts& subsampled) {
+  const double pose = sigma_factor(complete.poses, subsampled.poses);
+  const double drive = sigma_factor(complete.all_arrivals(), subsampled.all_arrivals());
   for (Trajectory& t : trajectories) {
     if (t.moving) weigh_odometry(t, drive);
     for (ArrivalObservation& a : t.arrivals) {
-      const double f = sigma_factor(whole.arrivals[a.beacon.index()], few.arrivals[a.beacon.index()]);
+      const double f =
+          sigma_factor(complete.arrivals[a.beacon.index()], subsampled.arrivals[a.beacon.index()]);
       a.sigma_s *= f;
       a.log_amplitude_sigma *= f;
     }
     for (BearingObservation& b : t.bearings)
       if (b.reflector.valid())
-        b.sigma_rad *= sigma_factor(whole.bearings[b.reflector.index()], few.bearings[b.reflector.index()]);
+        b.sigma_rad *=
+            sigma_factor(complete.bearings[b.reflector.index()], subsampled.bearings[b.reflector.index()]);
     for (PoseObservation& p : t.poses) {
       p.position_sigma_m *= pose;
       p.heading_sigma_rad *= pose;
@@ -72,11 +75,11 @@ void weight_as_complete(std::vector<Trajectory>& trajectories, const LogCounts& 
 }  // namespace
 
 Result<LogFindings> SubsampledLog::findings(const Estimate& estimate) {
-  const LogCounts few(problem());
+  const LogCounts subsampled(problem());
   auto all = HeldLog::findings(estimate);
-  if (!all || few.all_arrivals() >= whole_.all_arrivals()) return all;
+  if (!all || subsampled.all_arrivals() >= whole_.all_arrivals()) return all;
   all->findings.as_complete = all->trajectories;
-  weight_as_complete(all->findings.as_complete, whole_, few);
+  weight_as_complete(all->findings.as_complete, whole_, subsampled);
   return all;
 }
 

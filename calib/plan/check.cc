@@ -73,13 +73,13 @@ Forecast forecast(const Problem& whole, const SolveOptions& options,
   Forecast f;
   std::size_t rows = 0;
   for (const MeasurementLog& run : whole.runs) rows += run.arrivals.size() + run.bearings.size();
-  std::vector<MeasurementLog> few;
+  std::vector<MeasurementLog> sample;
   for (const MeasurementLog& run : whole.runs) {
     const SubsampleOptions share =
         share_of(subsample_options, run.arrivals.size() + run.bearings.size(), rows);
-    few.push_back(subsample(run, whole.site, share));
+    sample.push_back(subsample(run, whole.site, share));
   }
-  auto subsampled = make_problem(whole.site, std::move(few));
+  auto subsampled = make_problem(whole.site, std::move(sample));
   // The whole had observations and kept its unit; what is left of it may still have lost its states by bad
   // luck.
   f.subsampled = subsampled ? *subsampled : whole;

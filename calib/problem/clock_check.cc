@@ -66,16 +66,16 @@ std::vector<RangeStep> range_steps_of(const Site& site, const MeasurementLog& ru
     if (r.vehicle == vehicle) array_m = std::max(array_m, 2 * r.position_m.head<2>().norm());
   const double legs = site.timing.legs();
   const double noise_m = 6 * site.noise.tof_sigma_s * speed_mps(site.medium) / legs + array_m;
-  struct Last {
+  struct LastArrival {
     const Arrival* arrival = nullptr;
     std::size_t change = 0;
     bool has_change = false;
   };
-  std::map<std::pair<BeaconId, ReceiverId>, Last> last;
+  std::map<std::pair<BeaconId, ReceiverId>, LastArrival> last;
   std::vector<RangeStep> changes;
   for (const Arrival& a : run.arrivals) {
     if (a.vehicle != vehicle) continue;
-    Last& before = last[{a.beacon, a.receiver}];
+    LastArrival& before = last[{a.beacon, a.receiver}];
     if (before.arrival != nullptr && a.time_s > before.arrival->time_s) {
       const double from_s = before.arrival->time_s,
                    change_m = stated_range_m(site, run, a) - stated_range_m(site, run, *before.arrival);
@@ -121,17 +121,17 @@ bool step_at(const std::vector<RangeStep>& changes, double time_s, double by_m, 
   return static_cast<double>(agree) >= kMost * static_cast<double>(changed_m.size());
 }
 
-struct Offset {
+struct ClockOffset {
   double time_s, offset_s, sigma_s;
 };
 
 /// Clock offset of each stop that has beacons enough for a place and an offset.
-std::vector<Offset> offsets_of(const Trajectory& original, const SharedState& state) {
+std::vector<ClockOffset> offsets_of(const Trajectory& original, const SharedState& state) {
   Trajectory t = original;
   t.has_cycle_offset = true;
   for (ArrivalObservation& a : t.arrivals)
     if (is_outlier(a.rejection)) a.rejection = Rejection::kUsed;
-  std::vector<Offset> offsets;
+  std::vector<ClockOffset> offsets;
   const std::size_t needed = t.motion == Motion::kPlanar ? 4 : 5;
   for (const Segment& s : t.segments) {
     if (!t.nodes[s.first_node].placed) continue;
@@ -150,14 +150,14 @@ std::vector<Offset> offsets_of(const Trajectory& original, const SharedState& st
     }
   }
   std::sort(offsets.begin(), offsets.end(),
-            [](const Offset& a, const Offset& b) { return a.time_s < b.time_s; });
+            [](const ClockOffset& a, const ClockOffset& b) { return a.time_s < b.time_s; });
   return offsets;
 }
 
 /// Difference of the medians after and before i, and its standard deviation from the scatter about them;
 /// false where there are too few stops or they do not keep to their sides.
-bool difference_at(const std::vector<Offset>& o, std::size_t i, double usual_scatter_s, double& difference_s,
-                   double& sigma_s) {
+bool difference_at(const std::vector<ClockOffset>& o, std::size_t i, double usual_scatter_s,
+                   double& difference_s, double& sigma_s) {
   const std::size_t first = i > kSide ? i - kSide : 0, last = std::min(o.size(), i + kSide);
   if (i - first < kAtLeastSide || last - i < kAtLeastSide) return false;
   std::vector<double> before, after, off;
@@ -185,7 +185,7 @@ bool difference_at(const std::vector<Offset>& o, std::size_t i, double usual_sca
 /// Medians hardly feel on which side a stop or two stand, so the split found by them is flat; the one that
 /// leaves the least absolute deviation from the medians on either side is sharp.
 /// @return the first of [first, last) that is after it
-std::size_t sharpened(const std::vector<Offset>& o, std::size_t first, std::size_t last, std::size_t i) {
+std::size_t sharpened(const std::vector<ClockOffset>& o, std::size_t first, std::size_t last, std::size_t i) {
   std::vector<double> before, after;
   for (std::size_t k = first; k < i; ++k) before.push_back(o[k].offset_s);
   for (std::size_t k = i; k < last; ++k) after.push_back(o[k].offset_s);
@@ -203,7 +203,8 @@ std::size_t sharpened(const std::vector<Offset>& o, std::size_t first, std::size
 }
 
 /// The steps that offsets in a row show, each at the first offset after it.
-std::vector<std::pair<std::size_t, double>> steps_among(const std::vector<Offset>& o, double smallest_s) {
+std::vector<std::pair<std::size_t, double>> steps_among(const std::vector<ClockOffset>& o,
+                                                        double smallest_s) {
   std::vector<double> changes;
   for (std::size_t i = 1; i < o.size(); ++i) changes.push_back(std::abs(o[i].offset_s - o[i - 1].offset_s));
   const double usual_s = 1.4826 * median(std::move(changes)) / std::sqrt(2.0);
@@ -235,7 +236,7 @@ std::vector<std::pair<std::size_t, double>> steps_among(const std::vector<Offset
 /// What the arrivals of a drive are off by, in the order of time: one by one, and some dozens of a few
 /// beacons together.
 struct Misfits {
-  std::vector<Offset> arrivals, moments;
+  std::vector<ClockOffset> arrivals, moments;
   std::vector<std::size_t> first;  ///< arrival of each moment, and one past the last's
 };
 
@@ -300,7 +301,7 @@ std::vector<ClockStep> steps_between_stops(const std::vector<Trajectory>& trajec
   std::vector<ClockStep> steps;
   for (const Trajectory& t : trajectories) {
     if (t.run != run || t.moving || t.has_cycle_offset) continue;
-    const std::vector<Offset> o = offsets_of(t, state);
+    const std::vector<ClockOffset> o = offsets_of(t, state);
     for (const auto& [at, step_s] : steps_among(o, smallest_m / t.nominal_speed_mps))
       steps.push_back({o[at].time_s, step_s, state.beacon_p_map_m.size()});
   }

@@ -47,9 +47,9 @@ void for_each_spread_arrival(const std::vector<Trajectory>& trajectories, std::s
 template <class Observation>
 std::vector<Observation> some_of(std::vector<Observation> all, std::size_t enough) {
   if (all.size() <= enough) return all;
-  std::vector<Observation> few;
-  for (std::size_t i = 0; i < enough; ++i) few.push_back(all[i * all.size() / enough]);
-  return few;
+  std::vector<Observation> spread;
+  for (std::size_t i = 0; i < enough; ++i) spread.push_back(all[i * all.size() / enough]);
+  return spread;
 }
 
 /// Ranges of a beacon from the vehicle states placed so far, rejected arrivals included.

@@ -14,7 +14,7 @@ namespace octant::calib {
 /// The free parameters that an observation over one path (beacon, receiver) touches, each with what its
 /// residual is derived by.
 struct PathColumns {
-  struct Entry {
+  struct Column {
     int column = 0;
     PathNumber what = kByBeacon;
     double scale = 1.0;  ///< internal unit of the parameter
@@ -22,7 +22,7 @@ struct PathColumns {
   /// All there are, with four delays and either of a receiver's place and an array's shape.
   static constexpr std::size_t kCapacity = kPathNumbers - 2 + 3;
   std::size_t count = 0;
-  std::array<Entry, kCapacity> entry;
+  std::array<Column, kCapacity> entry;
 
   [[nodiscard]] auto begin() const { return entry.begin(); }
   [[nodiscard]] auto end() const { return entry.begin() + static_cast<std::ptrdiff_t>(count); }
@@ -73,7 +73,7 @@ struct RowEntries {
                                             const ParameterLayout& layout, const SharedState& state) {
   RowEntries e;
   if (!row.has_shared) return e;
-  for (const PathColumns::Entry& of : path_columns(layout, row.beacon, row.receiver, run)) {
+  for (const PathColumns::Column& of : path_columns(layout, row.beacon, row.receiver, run)) {
     if (of.what >= kByDelay && row.kind != RowKind::kTof) break;  // what follows moves times alone
     e.column[static_cast<std::size_t>(e.count)] = of.column;
     e.value[static_cast<std::size_t>(e.count++)] = derivative_of(row, of.what, state) * of.scale;

@@ -34,7 +34,7 @@ class Subsampler {
       : run_(run),
         site_(site),
         options_(options),
-        stretch_s_(stretches_of(site).length_s),
+        stretch_s_(drive_stretches(site).length_s),
         drive_(!run.has_epochs && (run.odometry.size() >= 2 || run.poses.empty())) {}
 
   MeasurementLog subsample() {
@@ -112,9 +112,9 @@ class Subsampler {
   }
 
   MeasurementLog assemble() const {
-    MeasurementLog few = without_lists(run_);
-    few.rejected = run_.rejected;
-    if (!drive_) few.odometry = run_.odometry;
+    MeasurementLog sample = without_lists(run_);
+    sample.rejected = run_.rejected;
+    if (!drive_) sample.odometry = run_.odometry;
     std::vector<std::size_t> arrivals, bearings;
     std::vector<std::pair<double, double>> spans;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
@@ -128,12 +128,12 @@ class Subsampler {
     }
     std::sort(arrivals.begin(), arrivals.end());
     std::sort(bearings.begin(), bearings.end());
-    for (const std::size_t a : arrivals) few.arrivals.push_back(run_.arrivals[a]);
-    for (const std::size_t b : bearings) few.bearings.push_back(run_.bearings[b]);
+    for (const std::size_t a : arrivals) sample.arrivals.push_back(run_.arrivals[a]);
+    for (const std::size_t b : bearings) sample.bearings.push_back(run_.bearings[b]);
     std::sort(spans.begin(), spans.end());
-    few.poses = poses_near(run_.poses, spans);
-    if (drive_) few.odometry = subsampled_odometry(run_.odometry, spans);
-    return few;
+    sample.poses = poses_near(run_.poses, spans);
+    if (drive_) sample.odometry = subsampled_odometry(run_.odometry, spans);
+    return sample;
   }
 
   void add_some(const std::vector<std::size_t>& from, std::vector<std::size_t>& to) const {
@@ -194,8 +194,8 @@ GapSteps steps_of_gap(const VehicleRows& of, std::size_t row) {
 }
 
 /// Of one vehicle.
-void add_subsampled(const VehicleRows& of, std::vector<OdometryStep>& few) {
-  few.push_back(*of.rows.front());
+void add_subsampled(const VehicleRows& of, std::vector<OdometryStep>& sample) {
+  sample.push_back(*of.rows.front());
   Pose sum;
   double sum_m = 0.0, sum_rad = 0.0;
   GapSteps steps;
@@ -207,9 +207,9 @@ void add_subsampled(const VehicleRows& of, std::vector<OdometryStep>& few) {
     sum_rad += turn_rad(step);
     const bool last = i + 1 == of.rows.size();
     if (!of.near[i] && !last && sum_m < steps.way_m && sum_rad < steps.turn_rad) continue;
-    few.push_back({.time_s = step.time_s, .vehicle = step.vehicle});
-    few.back().set_pose(sum);
-    if (steps.are_long && (!of.near[i] || !of.near[i - 1])) few.back().way_m = sum_m;
+    sample.push_back({.time_s = step.time_s, .vehicle = step.vehicle});
+    sample.back().set_pose(sum);
+    if (steps.are_long && (!of.near[i] || !of.near[i - 1])) sample.back().way_m = sum_m;
     sum = Pose();
     sum_m = sum_rad = 0.0;
   }
@@ -221,11 +221,11 @@ std::vector<OdometryStep> subsampled_odometry(const std::vector<OdometryStep>& o
                                               const std::vector<std::pair<double, double>>& spans) {
   std::set<VehicleId> vehicles;
   for (const OdometryStep& s : odometry) vehicles.insert(s.vehicle);
-  std::vector<OdometryStep> few;
-  for (const VehicleId vehicle : vehicles) add_subsampled(rows_of(odometry, vehicle, spans), few);
-  std::stable_sort(few.begin(), few.end(),
+  std::vector<OdometryStep> sample;
+  for (const VehicleId vehicle : vehicles) add_subsampled(rows_of(odometry, vehicle, spans), sample);
+  std::stable_sort(sample.begin(), sample.end(),
                    [](const OdometryStep& a, const OdometryStep& b) { return a.time_s < b.time_s; });
-  return few;
+  return sample;
 }
 
 std::vector<TimedPose> poses_near(const std::vector<TimedPose>& poses,
@@ -239,10 +239,10 @@ std::vector<TimedPose> poses_near(const std::vector<TimedPose>& poses,
       if (poses[i].time_s > last_s) break;
     }
   }
-  std::vector<TimedPose> few;
+  std::vector<TimedPose> chosen;
   for (std::size_t i = 0; i < poses.size(); ++i)
-    if (near[i]) few.push_back(poses[i]);
-  return few;
+    if (near[i]) chosen.push_back(poses[i]);
+  return chosen;
 }
 
 std::vector<bool> evenly_chosen(std::size_t groups, std::size_t budget) {
@@ -306,22 +306,22 @@ void sort_by_time(std::vector<Arrival>& arrivals) {
 }
 
 MeasurementLog without_lists(const MeasurementLog& run) {
-  MeasurementLog few;
-  few.path = run.path;
-  few.vehicle = run.vehicle;
-  few.temperature_degC = run.temperature_degC;
-  few.relative_humidity = run.relative_humidity;
-  few.pressure_pa = run.pressure_pa;
-  few.pose_accuracy = run.pose_accuracy;
-  few.truth_accuracy = run.truth_accuracy;
-  few.odometry_accuracy = run.odometry_accuracy;
-  few.has_epochs = run.has_epochs;
-  few.rows = run.rows;
-  few.warnings = run.warnings;
-  return few;
+  MeasurementLog bare;
+  bare.path = run.path;
+  bare.vehicle = run.vehicle;
+  bare.temperature_degC = run.temperature_degC;
+  bare.relative_humidity = run.relative_humidity;
+  bare.pressure_pa = run.pressure_pa;
+  bare.pose_accuracy = run.pose_accuracy;
+  bare.truth_accuracy = run.truth_accuracy;
+  bare.odometry_accuracy = run.odometry_accuracy;
+  bare.has_epochs = run.has_epochs;
+  bare.rows = run.rows;
+  bare.warnings = run.warnings;
+  return bare;
 }
 
-DriveStretches stretches_of(const Site& site) {
+DriveStretches drive_stretches(const Site& site) {
   if (site.motion == Motion::kSpatial) return {.length_s = 40.0, .fewest = 5};
   return {};
 }
@@ -331,7 +331,7 @@ std::size_t stretches_kept(const Site& site, const SubsampleOptions& options, st
   if (stretches == 0) return options.instants;
   const double each = static_cast<double>(arrivals) / static_cast<double>(stretches);
   return static_cast<std::size_t>(
-      std::max(static_cast<double>(std::min(stretches_of(site).fewest, options.fewest_stretches)),
+      std::max(static_cast<double>(std::min(drive_stretches(site).fewest, options.fewest_stretches)),
                static_cast<double>(options.drive_arrivals) / std::max(each, 1e-3)));
 }
 

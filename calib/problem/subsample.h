@@ -19,7 +19,7 @@ struct SubsampleOptions {
   std::size_t per_beacon = 40;        ///< arrivals that each beacon keeps, if it has as many
   std::size_t per_pair = 16;          ///< arrivals of one beacon at one receiver within one epoch or stretch
   std::size_t drive_arrivals = 6000;  ///< of all stretches of a drive together, about
-  std::size_t fewest_stretches = SIZE_MAX;  ///< of a drive, if that is less than stretches_of() has it
+  std::size_t fewest_stretches = SIZE_MAX;  ///< of a drive, if that is less than drive_stretches() has it
 };
 
 /// How a drive is cut: a stretch is kept or left as a whole.
@@ -36,7 +36,7 @@ struct DriveStretches {
 /// In space a stretch is placed by its own shape among beacons that are known roughly, and of poses that are
 /// as likely by what is heard around it (rough_path.h): what is kept has to be as long as that takes, as
 /// odometry over a long gap tells neither. So there are few of them.
-[[nodiscard]] DriveStretches stretches_of(const Site& site);
+[[nodiscard]] DriveStretches drive_stretches(const Site& site);
 
 /// A smaller recording that tells the same: evenly spread epochs (or stretches of a drive, with their
 /// odometry row for row and the odometry between them summed up), and more of them where a beacon would have

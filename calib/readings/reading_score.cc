@@ -71,9 +71,9 @@ std::vector<MeasurementLog> few_of(const std::vector<MeasurementLog>& runs, cons
   subsample_options.per_pair = 4;
   subsample_options.drive_arrivals = std::max(kDriveArrivalsAtLeast, share.drive_arrivals / count);
   subsample_options.fewest_stretches = std::max(kStretchesAtLeast, share.stretches / count);
-  std::vector<MeasurementLog> few;
-  for (const MeasurementLog& run : runs) few.push_back(subsample(run, site, subsample_options));
-  return few;
+  std::vector<MeasurementLog> sample;
+  for (const MeasurementLog& run : runs) sample.push_back(subsample(run, site, subsample_options));
+  return sample;
 }
 
 ReadingScore score_of(const Site& site, const std::vector<MeasurementLog>& runs, const SolveOptions& options,

@@ -88,7 +88,7 @@ class Search {
   }
 
  private:
-  struct Tried {
+  struct ScoredReading {
     Contradiction what;
     ReadingScore score;
   };
@@ -112,7 +112,7 @@ class Search {
   /// Two points at each other's places take a part of what receivers wired otherwise do to the ranges: what
   /// is found of them settles nothing before all else had its turn.
   [[nodiscard]] bool nothing_but_exchanges() const {
-    return std::all_of(found_.begin(), found_.end(), [](const Tried& t) {
+    return std::all_of(found_.begin(), found_.end(), [](const ScoredReading& t) {
       return t.what.kind == ContradictionKind::kExchanged && !explains_all(t.score);
     });
   }
@@ -219,7 +219,7 @@ class Search {
   /// that many arrivals agree with what was stated: as nothing is adjusted to it, a plain gain in likelihood
   /// suffices, unless a single point that is elsewhere explains more.
   void try_exchanged_points() {
-    std::optional<Tried> least;
+    std::optional<ScoredReading> least;
     for (const Reading& reading : exchanged_points(site_)) {
       if (stopped()) return;
       const ReadingScore s = score(reading, second_, true);
@@ -240,12 +240,12 @@ class Search {
   /// any, which is the likelier mistake, and among those one that disregards the fewest stated places.
   std::vector<Contradiction> best() {
     std::vector<Contradiction> reported;
-    std::stable_sort(found_.begin(), found_.end(), [](const Tried& a, const Tried& b) {
+    std::stable_sort(found_.begin(), found_.end(), [](const ScoredReading& a, const ScoredReading& b) {
       return a.score.disregarded < b.score.disregarded;
     });
     double least = INFINITY;
-    for (const Tried& t : found_) least = std::min(least, t.score.loss);
-    for (Tried& t : found_) {
+    for (const ScoredReading& t : found_) least = std::min(least, t.score.loss);
+    for (ScoredReading& t : found_) {
       const bool said = std::any_of(reported.begin(), reported.end(),
                                     [&](const Contradiction& m) { return m.kind == t.what.kind; });
       if (said || t.score.loss > least + kTie) continue;
@@ -263,7 +263,7 @@ class Search {
   Site site_;
   std::vector<MeasurementLog> first_, second_;  ///< evenly spread parts for a first and a second look
   ReadingScore stated_first_, stated_;
-  std::vector<Tried> found_;
+  std::vector<ScoredReading> found_;
 };
 
 bool is_dragged(const Problem& problem, const Solution& solution) {

@@ -13,7 +13,7 @@ constexpr double kSamePlaceM = 1e-3;
 constexpr std::size_t kPlacesOfAMap = 3;  ///< fewer are the same map mirrored
 
 /// Where x forward and y left are, of what was written as x and y.
-struct Axes {
+struct AxesReading {
   bool exchanged;
   double sign_x, sign_y;
   const char* words;
@@ -23,14 +23,14 @@ struct Axes {
   }
 };
 constexpr std::array kAxes = {
-    Axes{false, 1, -1, "mirrored, left called right: their y has the wrong sign"},
-    Axes{false, -1, 1, "mirrored, front called rear: their x has the wrong sign"},
-    Axes{true, 1, 1, "mirrored: their x and y are exchanged"},
-    Axes{true, 1, -1, "turned: x counts to the right and y forward, not x forward and y left"},
-    Axes{true, -1, 1, "turned: x counts to the left and y backward, not x forward and y left"},
-    Axes{false, -1, -1, "turned: x counts backward and y to the right, not x forward and y left"}};
+    AxesReading{false, 1, -1, "mirrored, left called right: their y has the wrong sign"},
+    AxesReading{false, -1, 1, "mirrored, front called rear: their x has the wrong sign"},
+    AxesReading{true, 1, 1, "mirrored: their x and y are exchanged"},
+    AxesReading{true, 1, -1, "turned: x counts to the right and y forward, not x forward and y left"},
+    AxesReading{true, -1, 1, "turned: x counts to the left and y backward, not x forward and y left"},
+    AxesReading{false, -1, -1, "turned: x counts backward and y to the right, not x forward and y left"}};
 
-Site with_receivers_read(const Site& site, std::size_t vehicle, const Axes& axes) {
+Site with_receivers_read(const Site& site, std::size_t vehicle, const AxesReading& axes) {
   Site other = site;
   for (SiteReceiver& r : other.receivers) {
     if (r.vehicle.index() != vehicle) continue;
@@ -42,7 +42,7 @@ Site with_receivers_read(const Site& site, std::size_t vehicle, const Axes& axes
 }
 
 /// Whether it moves a receiver, and to where none of the others stands: that is another wiring.
-bool is_another_array(const Site& site, std::size_t vehicle, const Axes& axes) {
+bool is_another_array(const Site& site, std::size_t vehicle, const AxesReading& axes) {
   return std::any_of(site.receivers.begin(), site.receivers.end(), [&](const SiteReceiver& r) {
     const Eigen::Vector3d read = axes.read(r.position_m);
     return r.vehicle.index() == vehicle &&
@@ -66,7 +66,7 @@ std::vector<Reading> other_site_frames(const Site& site) {
   std::vector<Reading> readings;
   for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
     if (site.vehicles[v].receiver_count < 2) continue;  // one has no left and right
-    for (const Axes& axes : kAxes)
+    for (const AxesReading& axes : kAxes)
       if (is_another_array(site, v, axes))
         readings.push_back({{ContradictionKind::kWiring, "of " + site.vehicles[v].name,
                              "at their places in the vehicle frame",

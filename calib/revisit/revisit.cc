@@ -69,7 +69,8 @@ class SecondVisit {
       if (Result<Problem> part = subsample_of(problem_, options_.solve.threads)) problem_ = std::move(*part);
     out_.warnings = problem_.warnings;
     std::optional<Problem> part;
-    if (std::vector<MeasurementLog> some = stretches_of(problem_.runs, kEnoughArrivals); !some.empty())
+    if (std::vector<MeasurementLog> some = evenly_spread_stretches(problem_.runs, kEnoughArrivals);
+        !some.empty())
       if (auto made = make_problem(problem_.site, std::move(some), options_.solve.threads))
         part = std::move(*made);
     if ((start_from_known(part ? *part : problem_, room) || start(part ? *part : problem_)) &&

@@ -41,7 +41,8 @@ MeasurementLog stretch_of(const MeasurementLog& run, double from_s, double to_s)
 
 }  // namespace
 
-std::vector<MeasurementLog> stretches_of(const std::vector<MeasurementLog>& runs, std::size_t arrivals) {
+std::vector<MeasurementLog> evenly_spread_stretches(const std::vector<MeasurementLog>& runs,
+                                                    std::size_t arrivals) {
   std::size_t all = 0;
   for (const MeasurementLog& run : runs)
     if (!run.has_epochs) all += run.arrivals.size();

@@ -21,9 +21,9 @@ constexpr std::size_t kStops = 1000;
 
 /// Evenly spread blocks of rows, each as long as stops allow; a short recording as it is.
 MeasurementLog some_blocks(const MeasurementLog& run) {
-  MeasurementLog few = without_lists(run);
-  few.odometry = run.odometry;
-  few.poses = run.poses;
+  MeasurementLog blocks = without_lists(run);
+  blocks.odometry = run.odometry;
+  blocks.poses = run.poses;
   const std::size_t length = kRows / kBlocks, n = run.arrivals.size();
   const auto is_seam = [&](std::size_t i) {
     return i == n || !run.has_epochs || run.arrivals[i].epoch != run.arrivals[i - 1].epoch;
@@ -35,9 +35,9 @@ MeasurementLog some_blocks(const MeasurementLog& run) {
     const auto at = [&](std::size_t i) {
       return run.arrivals.begin() + static_cast<std::ptrdiff_t>(std::min(i, n));
     };
-    if (begin < end) few.arrivals.insert(few.arrivals.end(), at(begin), at(end));
+    if (begin < end) blocks.arrivals.insert(blocks.arrivals.end(), at(begin), at(end));
   }
-  return few;
+  return blocks;
 }
 
 /// Said of blocks it would be of the pauses between them, or of what they happen not to hold.
@@ -122,9 +122,9 @@ std::vector<Finding> outcome_hints(const Problem& problem, const Solution& solut
   const std::size_t stride = stops / kStops + 1;
   if (stride == 1)
     return suspicions(Adjusted{problem.site, solution.state, solution.trajectories, 1.0}, runs);
-  std::vector<Trajectory> few;
-  for (const Trajectory& t : solution.trajectories) few.push_back(some_segments(t, stride));
-  return suspicions(Adjusted{problem.site, solution.state, few, static_cast<double>(stride)}, runs);
+  std::vector<Trajectory> sample;
+  for (const Trajectory& t : solution.trajectories) sample.push_back(some_segments(t, stride));
+  return suspicions(Adjusted{problem.site, solution.state, sample, static_cast<double>(stride)}, runs);
 }
 
 void explain(const Problem& problem, const Problem& adjusted, Solution& solution,

@@ -60,7 +60,7 @@ void FindingsGatherer::write(const TrajectoryFindings& part, std::vector<double>
 void FindingsGatherer::read(const std::vector<double>& numbers) {
   for (BufferReader buffer(numbers); !buffer.ended();) {
     const std::size_t run = buffer.count(), vehicle = buffer.count();
-    OfTrajectory& of = of_trajectory_[{run, vehicle}];
+    GatheredTrajectory& of = of_trajectory_[{run, vehicle}];
     of.some.run = run;
     of.some.vehicle = VehicleId(vehicle);
     read_counts(buffer);
@@ -128,7 +128,7 @@ void FindingsGatherer::write_stateless(const TrajectoryFindings& part, BufferWri
   if (!stateless.empty()) buffer.put_integer(part.log.arrivals[stateless.front()].line);
 }
 
-void FindingsGatherer::read_stateless(OfTrajectory& of, BufferReader& buffer) {
+void FindingsGatherer::read_stateless(GatheredTrajectory& of, BufferReader& buffer) {
   const std::size_t count = buffer.count();
   if (count == 0) return;
   const auto line = static_cast<int>(buffer.integer());

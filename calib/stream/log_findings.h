@@ -52,7 +52,7 @@ class FindingsGatherer {
 
  private:
   /// Of a run and a vehicle.
-  struct OfTrajectory {
+  struct GatheredTrajectory {
     std::vector<PairSeries> series;
     std::vector<std::int64_t> flipped;
     std::size_t stateless = 0;  ///< arrivals
@@ -67,7 +67,7 @@ class FindingsGatherer {
   void write_extent(const TrajectoryFindings& part, BufferWriter& buffer) const;
   void leave_out_bearings_of_no_state();
   void read_counts(BufferReader& buffer);
-  static void read_stateless(OfTrajectory& of, BufferReader& buffer);
+  static void read_stateless(GatheredTrajectory& of, BufferReader& buffer);
   static void read_series(std::vector<PairSeries>& series, BufferReader& buffer);
   void read_bearings(BufferReader& buffer);
   void read_extent(BufferReader& buffer);
@@ -77,7 +77,7 @@ class FindingsGatherer {
   SharedState state_;
   LogTotals totals_;
   ObservationCounts counts_;
-  std::map<std::pair<std::size_t, std::size_t>, OfTrajectory> of_trajectory_;
+  std::map<std::pair<std::size_t, std::size_t>, GatheredTrajectory> of_trajectory_;
   std::vector<std::vector<bool>> carried_;  ///< of each run, its bearings that some state carries
   GatheredFindings findings_;
 };

@@ -69,16 +69,16 @@ Result<void> for_each_row_of_block(const ArrivalSource& source, const ChunkIndex
                                    std::size_t block, Visit&& visit) {
   std::vector<Arrival> rows;
   if (auto ok = index.read(source, run, block, block + 1, rows); !ok) return ok;
-  struct Current {
+  struct CurrentEpoch {
     VehicleId vehicle;
     std::int64_t epoch;
     std::size_t number;
   };
-  std::vector<Current> current;  // of each vehicle met
+  std::vector<CurrentEpoch> current;  // of each vehicle met
   std::size_t next = index.first_state(run, block);
   for (const Arrival& a : rows) {
     auto at = std::find_if(current.begin(), current.end(),
-                           [&a](const Current& c) { return c.vehicle == a.vehicle; });
+                           [&a](const CurrentEpoch& c) { return c.vehicle == a.vehicle; });
     if (at == current.end())
       at = current.insert(at, {a.vehicle, a.epoch, next++});
     else if (at->epoch != a.epoch)
@@ -106,7 +106,7 @@ Result<std::vector<Found>> read_blocks(const std::vector<std::size_t>& blocks, i
 /// Chooses more epochs for the beacons that the chosen ones hear too seldom, of those that hear them.
 Result<void> choose_for_rare_beacons(const ArrivalSource& source, const ChunkIndex& index, std::size_t run,
                                      int threads, GroupsHearing& hearing, std::vector<bool>& chosen) {
-  struct Hears {
+  struct HeardBeacon {
     std::size_t epoch, beacon;
   };
   std::vector<bool> rare(hearing.kept.size());
@@ -115,21 +115,22 @@ Result<void> choose_for_rare_beacons(const ArrivalSource& source, const ChunkInd
   if (std::find(rare.begin(), rare.end(), true) == rare.end()) return {};
   std::vector<std::size_t> blocks(index.blocks(run));
   for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b] = b;
-  auto heard = read_blocks<Hears>(blocks, threads, [&](std::size_t block, std::vector<Hears>& out) {
-    return for_each_row_of_block(source, index, run, block, [&](std::size_t epoch, const Arrival& a) {
-      if (rare[a.beacon.index()] && !chosen[epoch]) out.push_back({epoch, a.beacon.index()});
-    });
-  });
+  auto heard =
+      read_blocks<HeardBeacon>(blocks, threads, [&](std::size_t block, std::vector<HeardBeacon>& out) {
+        return for_each_row_of_block(source, index, run, block, [&](std::size_t epoch, const Arrival& a) {
+          if (rare[a.beacon.index()] && !chosen[epoch]) out.push_back({epoch, a.beacon.index()});
+        });
+      });
   if (!heard) return fail(heard.error());
   std::stable_sort(heard->begin(), heard->end(),
-                   [](const Hears& a, const Hears& b) { return a.epoch < b.epoch; });
+                   [](const HeardBeacon& a, const HeardBeacon& b) { return a.epoch < b.epoch; });
   hearing.more.resize(rare.size());
-  for (const Hears& h : *heard)
+  for (const HeardBeacon& h : *heard)
     if (hearing.more[h.beacon].empty() || hearing.more[h.beacon].back() != h.epoch)
       hearing.more[h.beacon].push_back(h.epoch);
   // Only of rare beacons, as all others have enough.
   hearing.for_each_heard = [&heard](std::size_t epoch, const auto& visit) {
-    const auto before = [](const Hears& h, std::size_t e) { return h.epoch < e; };
+    const auto before = [](const HeardBeacon& h, std::size_t e) { return h.epoch < e; };
     for (auto at = std::lower_bound(heard->begin(), heard->end(), epoch, before);
          at != heard->end() && at->epoch == epoch; ++at)
       visit(at->beacon);
@@ -161,30 +162,31 @@ Result<void> read_epochs(const ArrivalSource& source, const ChunkIndex& index, s
 
 Result<MeasurementLog> subsample_of_stops(std::size_t run, const Site& site, const ArrivalSource& source,
                                           const ChunkIndex& index, int threads) {
-  MeasurementLog few = without_lists(source.log(run));
-  few.rejected = source.log(run).rejected;
+  MeasurementLog sample = without_lists(source.log(run));
+  sample.rejected = source.log(run).rejected;
   std::vector<bool> chosen = evenly_chosen(index.states(run), kLongLogSubsample.instants);
-  if (auto ok = read_epochs(source, index, run, chosen, threads, few.arrivals); !ok) return fail(ok.error());
+  if (auto ok = read_epochs(source, index, run, chosen, threads, sample.arrivals); !ok)
+    return fail(ok.error());
   GroupsHearing hearing;
   hearing.kept.assign(site.beacons.size(), 0);
-  for (const Arrival& a : few.arrivals) ++hearing.kept[a.beacon.index()];
+  for (const Arrival& a : sample.arrivals) ++hearing.kept[a.beacon.index()];
   std::vector<bool> more = chosen;
   if (auto ok = choose_for_rare_beacons(source, index, run, threads, hearing, more); !ok)
     return fail(ok.error());
   for (std::size_t e = 0; e < more.size(); ++e) more[e] = more[e] && !chosen[e];
-  if (auto ok = read_epochs(source, index, run, more, threads, few.arrivals); !ok) return fail(ok.error());
-  sort_by_time(few.arrivals);
+  if (auto ok = read_epochs(source, index, run, more, threads, sample.arrivals); !ok) return fail(ok.error());
+  sort_by_time(sample.arrivals);
   std::vector<std::pair<double, double>> spans;
-  for (const Arrival& a : few.arrivals) spans.emplace_back(a.time_s, a.time_s);
-  few.poses = poses_near(source.log(run).poses, spans);
+  for (const Arrival& a : sample.arrivals) spans.emplace_back(a.time_s, a.time_s);
+  sample.poses = poses_near(source.log(run).poses, spans);
   const std::vector<Bearing>& bearings = source.log(run).bearings;
-  for (const std::size_t b : StateBearings(bearings, index.kinds(run)).of_states_in(few.arrivals))
-    few.bearings.push_back(bearings[b]);
+  for (const std::size_t b : StateBearings(bearings, index.kinds(run)).of_states_in(sample.arrivals))
+    sample.bearings.push_back(bearings[b]);
   // All of these epochs, but not more of one pair within one than is good for anything.
   SubsampleOptions all = kLongLogSubsample;
   all.instants = index.states(run);
   all.per_beacon = 0;
-  return subsample(few, site, all);
+  return subsample(sample, site, all);
 }
 
 void place_all_stops(const Problem& problem, const ParameterLayout& layout, const SharedState& state,

@@ -61,7 +61,7 @@ class NewtonSteps {
       cost = sum.system.cost + prior;
       damping = damping < kFirstDamping ? 0.0 : damping / 10;
       rejection_rounds += policy != RejectionPolicy::kKept;
-      const Step step = stepped(sum.system, x, damping);
+      const NewtonStep step = stepped(sum.system, x, damping);
       const double gain = damping > 0 ? stepped(sum.system, x, 0.0).gain : step.gain;
       const bool has_converged = gain <= kNoStep * cost;
       if (has_converged && (sum.counts.changed == 0 || rejection_rounds >= kRejectionRounds) &&
@@ -91,12 +91,13 @@ class NewtonSteps {
 
   /// To the optimum of what the observations look like from a point, priors, bounds and taped distances as
   /// they are.
-  struct Step {
+  struct NewtonStep {
     Eigen::VectorXd x;
     double gain = 0.0;
   };
-  [[nodiscard]] Step stepped(const ReducedSystem& system, const Eigen::VectorXd& from, double damping) const {
-    Step step{from, 0.0};
+  [[nodiscard]] NewtonStep stepped(const ReducedSystem& system, const Eigen::VectorXd& from,
+                                   double damping) const {
+    NewtonStep step{from, 0.0};
     QuadraticSum sum(system, from, damping, &step.x);
     AdjustOptions options;
     options.max_iterations = options_.max_iterations;

@@ -49,9 +49,9 @@ class StreamedLog : public CalibrationLog {
     if (is_scanned_) return Sample{};  // no more of it is ever at hand
     if (!monitor_.report("first reading of the log", 0.01)) return interrupted();
     if (auto ok = scan(); !ok) return fail(ok.error());
-    auto few = part();
-    if (!few) return fail(few.error());
-    frame_ = std::move(*few);
+    auto sample = part();
+    if (!sample) return fail(sample.error());
+    frame_ = std::move(*sample);
     return Sample{&frame_};
   }
 
@@ -119,10 +119,10 @@ class StreamedLog : public CalibrationLog {
   [[nodiscard]] Result<Problem> part() const {
     std::vector<MeasurementLog> runs;
     for (std::size_t run = 0; run < source_.runs(); ++run) {
-      auto few = has_stops_alone(run) ? subsample_of_stops(run, site_, source_, chunks_, options_.threads)
-                                      : subsample_of_drives(run, site_, source_, drives_);
-      if (!few) return fail(few.error());
-      runs.push_back(std::move(*few));
+      auto sample = has_stops_alone(run) ? subsample_of_stops(run, site_, source_, chunks_, options_.threads)
+                                         : subsample_of_drives(run, site_, source_, drives_);
+      if (!sample) return fail(sample.error());
+      runs.push_back(std::move(*sample));
     }
     auto problem = make_problem(site_, std::move(runs), options_.threads);
     if (!problem) return problem;

@@ -42,35 +42,35 @@ struct LayerScratch {
   alignas(64) double heard[kTilePoses];
 };
 
-struct Target {
+struct FigureList {
   Figure figure;
   std::vector<double> GeometryFigures::*list;
   bool integrity = false;
 };
-constexpr Target kTargets[] = {{kHdop, &GeometryFigures::hdop},
-                               {kVdop, &GeometryFigures::vdop},
-                               {kPdop, &GeometryFigures::pdop},
-                               {kTdop, &GeometryFigures::tdop},
-                               {kGdop, &GeometryFigures::gdop},
-                               {kHeadingDop, &GeometryFigures::heading_dop_rad_per_m},
-                               {kSigma, &GeometryFigures::sigma_m},
-                               {kSigmaX, &GeometryFigures::sigma_x_m},
-                               {kSigmaY, &GeometryFigures::sigma_y_m},
-                               {kSigmaZ, &GeometryFigures::sigma_z_m},
-                               {kSigmaHeading, &GeometryFigures::sigma_heading_rad},
-                               {kShiftBySpeed, &GeometryFigures::shift_by_speed_m},
-                               {kCovarianceXy, &GeometryFigures::covariance_xy_m2},
-                               {kDetectableBias, &GeometryFigures::detectable_bias_m, true},
-                               {kFaultShift, &GeometryFigures::fault_shift_m, true},
-                               {kProtection, &GeometryFigures::protection_m, true}};
+constexpr FigureList kFigureLists[] = {{kHdop, &GeometryFigures::hdop},
+                                       {kVdop, &GeometryFigures::vdop},
+                                       {kPdop, &GeometryFigures::pdop},
+                                       {kTdop, &GeometryFigures::tdop},
+                                       {kGdop, &GeometryFigures::gdop},
+                                       {kHeadingDop, &GeometryFigures::heading_dop_rad_per_m},
+                                       {kSigma, &GeometryFigures::sigma_m},
+                                       {kSigmaX, &GeometryFigures::sigma_x_m},
+                                       {kSigmaY, &GeometryFigures::sigma_y_m},
+                                       {kSigmaZ, &GeometryFigures::sigma_z_m},
+                                       {kSigmaHeading, &GeometryFigures::sigma_heading_rad},
+                                       {kShiftBySpeed, &GeometryFigures::shift_by_speed_m},
+                                       {kCovarianceXy, &GeometryFigures::covariance_xy_m2},
+                                       {kDetectableBias, &GeometryFigures::detectable_bias_m, true},
+                                       {kFaultShift, &GeometryFigures::fault_shift_m, true},
+                                       {kProtection, &GeometryFigures::protection_m, true}};
 
 }  // namespace
 
 GeometryFigures evaluate_poses(const SurveyModel& model, const PoseList& poses, const MapOptions& options) {
   const KernelModel kernel = kernel_model(model, model.beacons);
   GeometryFigures out;
-  for (const Target& target : kTargets)
-    if (options.integrity || !target.integrity) (out.*target.list).resize(poses.size());
+  for (const FigureList& f : kFigureLists)
+    if (options.integrity || !f.integrity) (out.*f.list).resize(poses.size());
   out.beacons.resize(poses.size());
   out.arrivals.resize(poses.size());
   for_each_tile<MapScratch>(
@@ -78,10 +78,10 @@ GeometryFigures evaluate_poses(const SurveyModel& model, const PoseList& poses, 
       [&](const KernelTile& tile, std::size_t first, MapScratch& scratch) {
         map_tile(kernel, tile, options.integrity, scratch.work, scratch.figures);
         const auto offset = static_cast<std::ptrdiff_t>(first);
-        for (const Target& target : kTargets) {
-          if (!options.integrity && target.integrity) continue;
-          const double* values = scratch.figures.value[target.figure];
-          std::copy(values, values + tile.count, (out.*target.list).begin() + offset);
+        for (const FigureList& f : kFigureLists) {
+          if (!options.integrity && f.integrity) continue;
+          const double* values = scratch.figures.value[f.figure];
+          std::copy(values, values + tile.count, (out.*f.list).begin() + offset);
         }
         for (std::size_t i = 0; i < tile.count; ++i) {
           out.beacons[first + i] = static_cast<std::uint16_t>(scratch.figures.value[kBeacons][i]);

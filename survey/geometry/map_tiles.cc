@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector2d;
 
 /// Room that a tile's receivers take.
-struct Box {
+struct TileBox {
   Vector2d low = Vector2d::Constant(1e300), high = Vector2d::Constant(-1e300);
   double bottom_m = 1e300, top_m = -1e300;
   [[nodiscard]] std::array<Vector2d, 4> corners() const {
@@ -39,13 +39,13 @@ KernelTransducer transducer(const Eigen::Vector3d& p, const Eigen::Vector3d& axi
   return t;
 }
 
-Box box_of(const KernelModel& kernel, const KernelTile& tile) {
+TileBox box_of(const KernelModel& kernel, const KernelTile& tile) {
   double lever = 0.0, low = 1e300, high = -1e300;
   for (const KernelTransducer& r : kernel.receivers) {
     lever = std::max(lever, std::hypot(r.p_m[0], r.p_m[1]));
     low = std::min(low, r.p_m[2]), high = std::max(high, r.p_m[2]);
   }
-  Box box;
+  TileBox box;
   for (std::size_t i = 0; i < tile.count; ++i) {
     const Vector2d at(tile.x_m[i], tile.y_m[i]);
     box.low = box.low.cwiseMin(at), box.high = box.high.cwiseMax(at);
@@ -58,7 +58,7 @@ Box box_of(const KernelModel& kernel, const KernelTile& tile) {
   return box;
 }
 
-double distance_m(const Box& box, const KernelTransducer& beacon) {
+double distance_m(const TileBox& box, const KernelTransducer& beacon) {
   const Vector2d b(beacon.p_m[0], beacon.p_m[1]);
   const Vector2d gap = (box.low - b).cwiseMax(b - box.high).cwiseMax(0.0);
   const double dz = std::max({0.0, box.bottom_m - beacon.p_m[2], beacon.p_m[2] - box.top_m});
@@ -68,7 +68,7 @@ double distance_m(const Box& box, const KernelTransducer& beacon) {
 /// Some line parts the wall from all paths between beacon and box: the wall's own, the box' sides, or one
 /// through the beacon that touches the box.
 bool cannot_stand_between(const WallPiece& wall, const Vector2d& beacon,
-                          const std::array<Vector2d, 4>& corners, const Box& box) {
+                          const std::array<Vector2d, 4>& corners, const TileBox& box) {
   const Vector2d low = box.low.cwiseMin(beacon), high = box.high.cwiseMax(beacon);
   if ((wall.from_m.cwiseMax(wall.to_m).array() < low.array()).any() ||
       (wall.from_m.cwiseMin(wall.to_m).array() > high.array()).any())
@@ -97,7 +97,7 @@ bool cannot_stand_between(const WallPiece& wall, const Vector2d& beacon,
 /// What a piece of wall hides from a beacon is convex: where it hides all corners of the room, it hides the
 /// room.
 bool hides(const WallPiece& wall, const KernelTransducer& beacon, const std::array<Vector2d, 4>& corners,
-           const Box& box) {
+           const TileBox& box) {
   const Vector2d b(beacon.p_m[0], beacon.p_m[1]), along = wall.to_m - wall.from_m;
   const double sb = cross(along, b - wall.from_m);
   for (const Vector2d& c : corners) {
@@ -149,7 +149,7 @@ void fill_tile(const KernelModel& kernel, const std::vector<WallPiece>& walls, c
     tile.x_m[i] = poses.x_m[from], tile.y_m[i] = poses.y_m[from], tile.z_m[i] = poses.z_m[from];
     tile.cosine[i] = cosine, tile.sine[i] = sine;
   }
-  const Box box = box_of(kernel, tile);
+  const TileBox box = box_of(kernel, tile);
   const auto corners = box.corners();
   tile.walls.clear();
   tile.wall_first.assign(1, 0);

@@ -22,11 +22,11 @@ double sigma_m(const DeploymentBeacon& beacon, int axis) {
 }
 
 /// Units of the columns, each chosen by the column's largest number.
-struct Units {
+struct ColumnUnits {
   Unit length, time, mdb, shift, late;
 };
 
-Units units_of(const ReportInput& input) {
+ColumnUnits units_of(const ReportInput& input) {
   double length_m = 0.0, time_s = 0.0, mdb_s = 0.0, shift_m = 0.0, late_s = 0.0;
   for (const auto& b : input.plan.deployment.beacons) {
     if (b.status == BeaconStatus::kUndetermined) continue;
@@ -56,7 +56,7 @@ std::vector<std::size_t> rows_of(const Deployment& d) {
   return order;
 }
 
-std::vector<ReportText> row_of(const DeploymentBeacon& b, const BeaconNote* note, const Units& units,
+std::vector<ReportText> row_of(const DeploymentBeacon& b, const BeaconNote* note, const ColumnUnits& units,
                                bool delays) {
   std::vector<ReportText> row = {{b.name}};
   const bool known = b.status != BeaconStatus::kUndetermined;
@@ -103,7 +103,8 @@ ReportTable moved_table(const ReportInput& input) {
 }
 
 ReportTable reliability_table(const ReportInput& input, const std::vector<std::size_t>& rows,
-                              const std::map<std::string, const BeaconNote*>& notes, const Units& units) {
+                              const std::map<std::string, const BeaconNote*>& notes,
+                              const ColumnUnits& units) {
   ReportTable table{"reliability",
                     "Residuals of each beacon, and what an error that nobody notices would do. Variance: of "
                     "the residuals over the stated one. "
@@ -157,7 +158,7 @@ std::optional<ReportSection> beacons_section(const ReportInput& input) {
         fmt::format("Of none of the {} beacons is the place known.", d.beacons.size()), Tone::kBad});
     return section;
   }
-  const Units units = units_of(input);
+  const ColumnUnits units = units_of(input);
   const bool delays = std::any_of(d.beacons.begin(), d.beacons.end(),
                                   [](const auto& b) { return b.delay_s != 0.0 || b.delay_sigma_s > 0.0; });
   std::map<std::string, const BeaconNote*> notes;

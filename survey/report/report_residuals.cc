@@ -37,12 +37,12 @@ std::string stops_that_stick_out(const ReportInput& input) {
 
 /// Of very many names those whose residuals are largest.
 ResidualChart worst_of(const ResidualChart& chart) {
-  ResidualChart few = chart;
-  if (few.bins.size() <= kMaxRows) return few;
-  std::stable_sort(few.bins.begin(), few.bins.end(),
+  ResidualChart worst = chart;
+  if (worst.bins.size() <= kMaxRows) return worst;
+  std::stable_sort(worst.bins.begin(), worst.bins.end(),
                    [](const auto& a, const auto& b) { return a.rms_s > b.rms_s; });
-  few.bins.resize(kMaxRows);
-  return few;
+  worst.bins.resize(kMaxRows);
+  return worst;
 }
 
 ReportTable residual_table_of(const ResidualChart& chart) {

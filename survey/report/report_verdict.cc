@@ -10,14 +10,14 @@
 namespace octant::survey {
 namespace {
 
-struct Beacons {
+struct BeaconCounts {
   std::size_t calibrated = 0, control = 0, undetermined = 0;
   double worst_m = 0.0;
   std::string worst;
 };
 
-Beacons count(const Deployment& d) {
-  Beacons n;
+BeaconCounts count(const Deployment& d) {
+  BeaconCounts n;
   for (const auto& beacon : d.beacons) {
     n.undetermined += beacon.status == BeaconStatus::kUndetermined;
     n.control += beacon.status == BeaconStatus::kControlPoint;
@@ -31,7 +31,7 @@ Beacons count(const Deployment& d) {
   return n;
 }
 
-std::vector<ReportGate> gates_of(const ReportInput& input, const Beacons& n) {
+std::vector<ReportGate> gates_of(const ReportInput& input, const BeaconCounts& n) {
   const Deployment& d = input.plan.deployment;
   std::vector<ReportGate> gates;
   const bool converged = input.outcome == Outcome::kCalibrated && d.statistics.converged;
@@ -79,7 +79,7 @@ std::string contradictions_in_words(const std::vector<Contradiction>& all) {
   return text;
 }
 
-std::string sentence_of(const ReportInput& input, const Beacons& n) {
+std::string sentence_of(const ReportInput& input, const BeaconCounts& n) {
   const Deployment& d = input.plan.deployment;
   if (is_contradicted(input))
     return contradictions_in_words(d.contradictions) +
@@ -133,7 +133,7 @@ Tone tone_of(Grade grade) {
 }
 
 Verdict verdict(const ReportInput& input) {
-  const Beacons n = count(input.plan.deployment);
+  const BeaconCounts n = count(input.plan.deployment);
   Verdict v;
   v.gates = gates_of(input, n);
   v.sentence = sentence_of(input, n);

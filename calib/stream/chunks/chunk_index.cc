@@ -23,7 +23,7 @@ class ChunkIndex::Scanner {
 
   void add(ChunkIndex& index, std::size_t run, const std::vector<Arrival>& block) {
     while (index.runs_.size() <= run) begin_run(index);
-    Run& r = index.runs_.back();
+    RunStates& r = index.runs_.back();
     const std::size_t b = r.first_state.size();
     r.first_state.push_back(r.states);
     if (chunk_size_ >= chunk_arrivals_) begin_chunk(index, b);
@@ -32,7 +32,7 @@ class ChunkIndex::Scanner {
     for (const Arrival& a : block) {
       const StateKind kind = kinds[a.vehicle.index()];
       if (kind == StateKind::kDrive) continue;
-      Open& open = open_[a.vehicle.index()];
+      OpenGroup& open = open_[a.vehicle.index()];
       if (begins_group(kind, open, a)) {
         open = {true, a.epoch, a.time_s, a.time_s, b, index.chunks_.size() - 1, {}};
         begin_state(index, r, open, a);
@@ -70,7 +70,7 @@ class ChunkIndex::Scanner {
 
  private:
   /// The latest group of a vehicle.
-  struct Open {
+  struct OpenGroup {
     bool any = false;
     std::int64_t epoch = kNoEpoch;          ///< of its last row
     double time_s = 0.0;                    ///< of that
@@ -79,20 +79,20 @@ class ChunkIndex::Scanner {
     std::optional<std::size_t> split = {};  ///< where it lies in several
   };
 
-  static bool begins_state(StateKind kind, const Open& open, const Arrival& a) {
+  static bool begins_state(StateKind kind, const OpenGroup& open, const Arrival& a) {
     const bool is_epoch = kind == StateKind::kStops || kind == StateKind::kChainedStops;
     return is_epoch ? open.epoch != a.epoch : open.time_s != a.time_s;
   }
-  static bool begins_group(StateKind kind, const Open& open, const Arrival& a) {
+  static bool begins_group(StateKind kind, const OpenGroup& open, const Arrival& a) {
     if (!open.any) return true;
     return kind == StateKind::kStops ? open.epoch != a.epoch : a.time_s - open.time_s > longest_tie_s(kind);
   }
-  static void begin_state(ChunkIndex& index, Run& run, const Open& open, const Arrival& a) {
+  static void begin_state(ChunkIndex& index, RunStates& run, const OpenGroup& open, const Arrival& a) {
     ++run.states;
     ++index.chunks_[open.chunk].states[a.vehicle.index()];
   }
   /// In another block.
-  static void go_on(Run& run, Open& open, StateKind kind, std::size_t block, const Arrival& a) {
+  static void go_on(RunStates& run, OpenGroup& open, StateKind kind, std::size_t block, const Arrival& a) {
     if (!open.split) {
       open.split = run.splits.size();
       run.splits.push_back({open.block, block, a.vehicle, kind, a.epoch, open.from_s, a.time_s});
@@ -116,11 +116,11 @@ class ChunkIndex::Scanner {
 
   void end_run(ChunkIndex& index) {
     if (index.runs_.empty()) return;
-    Run& r = index.runs_.back();
+    RunStates& r = index.runs_.back();
     const std::size_t blocks = r.first_state.size();
     r.first_state.push_back(r.states);
     std::vector<std::uint32_t> count(blocks + 1, 0);
-    for (const Split& s : r.splits)
+    for (const SplitGroup& s : r.splits)
       for (std::size_t b = s.first_block + 1; b <= s.last_block; ++b) ++count[b];
     r.first_open.assign(blocks + 2, 0);
     for (std::size_t b = 0; b <= blocks; ++b) r.first_open[b + 1] = r.first_open[b] + count[b];
@@ -133,7 +133,7 @@ class ChunkIndex::Scanner {
 
   std::size_t vehicles_, beacons_, chunk_arrivals_;
   std::size_t chunk_size_ = 0;
-  std::vector<Open> open_;  ///< of each vehicle
+  std::vector<OpenGroup> open_;  ///< of each vehicle
 };
 
 StateKinds state_kinds(const ArrivalSource& source, const Site& site) {
@@ -161,7 +161,7 @@ void ChunkIndex::end(std::size_t runs) {
 
 Result<void> ChunkIndex::read(const ArrivalSource& source, std::size_t run, std::size_t first,
                               std::size_t last, std::vector<Arrival>& arrivals) const {
-  const Run& r = runs_[run];
+  const RunStates& r = runs_[run];
   arrivals.clear();
   if (auto ok = source.read(run, first, last, arrivals); !ok) return ok;
   const std::vector<StateKind>& kinds = kinds_[run];
@@ -169,14 +169,14 @@ Result<void> ChunkIndex::read(const ArrivalSource& source, std::size_t run, std:
     std::erase_if(arrivals, [&](const Arrival& a) { return kinds[a.vehicle.index()] == StateKind::kDrive; });
   // Groups that began before are another chunk's,
   for (std::size_t k = r.first_open[first]; k < r.first_open[first + 1]; ++k) {
-    const Split& split = r.splits[r.open[k]];
+    const SplitGroup& split = r.splits[r.open[k]];
     std::erase_if(arrivals, [&](const Arrival& a) { return split.has(a); });
   }
   // and those that go on beyond the end are this one's.
-  std::vector<const Split*> going_on;
+  std::vector<const SplitGroup*> going_on;
   std::size_t until = last;
   for (std::size_t k = r.first_open[last]; k < r.first_open[last + 1]; ++k) {
-    const Split& split = r.splits[r.open[k]];
+    const SplitGroup& split = r.splits[r.open[k]];
     if (split.first_block < first) continue;
     going_on.push_back(&split);
     until = std::max(until, split.last_block + 1);
@@ -185,7 +185,7 @@ Result<void> ChunkIndex::read(const ArrivalSource& source, std::size_t run, std:
   const auto own = static_cast<std::ptrdiff_t>(arrivals.size());
   if (auto ok = source.read(run, last, until, arrivals); !ok) return ok;
   const auto others = [&](const Arrival& a) {
-    return std::none_of(going_on.begin(), going_on.end(), [&](const Split* s) { return s->has(a); });
+    return std::none_of(going_on.begin(), going_on.end(), [&](const SplitGroup* s) { return s->has(a); });
   };
   arrivals.erase(std::remove_if(arrivals.begin() + own, arrivals.end(), others), arrivals.end());
   return {};

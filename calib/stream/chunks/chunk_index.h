@@ -61,7 +61,7 @@ class ChunkIndex {
 
  private:
   /// A group that lies in several blocks.
-  struct Split {
+  struct SplitGroup {
     std::size_t first_block = 0, last_block = 0;
     VehicleId vehicle;
     StateKind kind = StateKind::kStops;
@@ -72,11 +72,11 @@ class ChunkIndex {
       return kind == StateKind::kStops ? a.epoch == epoch : a.time_s >= from_s && a.time_s <= until_s;
     }
   };
-  struct Run {
+  struct RunStates {
     std::size_t states = 0;
     std::vector<std::size_t> heard;
     std::vector<std::size_t> first_state;  ///< of each block, and one more
-    std::vector<Split> splits;
+    std::vector<SplitGroup> splits;
     std::vector<std::uint32_t> open,
         first_open;  ///< splits across the beginning of each block: open[first_open[b]...first_open[b + 1])
   };
@@ -84,7 +84,7 @@ class ChunkIndex {
 
   StateKinds kinds_;
   std::unique_ptr<Scanner> scanner_;  ///< until the end
-  std::vector<Run> runs_;
+  std::vector<RunStates> runs_;
   std::vector<Chunk> chunks_;
   std::size_t arrivals_ = 0;
 };

@@ -68,7 +68,7 @@ DriveIndex::DriveIndex(const ArrivalSource& source, const Site& site)
     for (std::size_t v = 0; v < vehicles_; ++v)
       chains_.push_back(chain_of(source.log(run), run, VehicleId(v), beacons_, model));
   for (DriveGroups& of_run : groups_) {
-    of_run.length_s = stretches_of(site).length_s;
+    of_run.length_s = drive_stretches(site).length_s;
     of_run.latest.assign(vehicles_, SIZE_MAX);
   }
 }

@@ -32,7 +32,7 @@ class DrivePasses : public LogReadings {
 
  private:
   /// The ends behind pieces and what they were linearised with.
-  struct Ends {
+  struct PieceEnds {
     std::vector<Node> state;       ///< behind each piece
     Eigen::VectorXd x;             ///< where that was done; empty: nowhere
     std::vector<EndChain> chains;  ///< of each chain
@@ -60,7 +60,7 @@ class DrivePasses : public LogReadings {
   std::vector<DriveWork> workers_;
   std::vector<KeptTrajectory> kept_;  ///< of each piece
   std::vector<Trajectory> like_;      ///< of each chain what kind of states it has, and no states
-  Ends from_, tried_;
+  PieceEnds from_, tried_;
 };
 
 }  // namespace octant::calib

@@ -29,8 +29,8 @@ Result<MeasurementLog> subsample_of_drives(std::size_t run, const Site& site, co
                                            const DriveIndex& index) {
   const MeasurementLog& log = source.log(run);
   const DriveGroups& of_run = index.groups(run);
-  MeasurementLog few = without_lists(log);
-  few.rejected = log.rejected;
+  MeasurementLog sample = without_lists(log);
+  sample.rejected = log.rejected;
   const std::size_t beacons = index.beacons(),
                     budget = stretches_kept(site, kLongLogSubsample, of_run.arrivals, of_run.groups.size());
   const std::vector<bool> chosen =
@@ -47,25 +47,25 @@ Result<MeasurementLog> subsample_of_drives(std::size_t run, const Site& site, co
     if (!chosen[g]) continue;
     if (auto ok = index.read(source, run, of_run.groups[g], rows); !ok) return fail(ok.error());
     crowded = keep_some_of_pairs(kLongLogSubsample.per_pair, rows) || crowded;
-    few.arrivals.insert(few.arrivals.end(), rows.begin(), rows.end());
+    sample.arrivals.insert(sample.arrivals.end(), rows.begin(), rows.end());
     double asked_s = 0.0;  // before the first of them
     for (const Arrival& a : rows) asked_s = std::max(asked_s, asked_before_s(site, a));
     chosen_keys.emplace(of_run.groups[g].vehicle, of_run.groups[g].key);
     spans.emplace_back(of_run.groups[g].first_s - asked_s, of_run.groups[g].last_s);
   }
-  sort_by_time(few.arrivals);
+  sort_by_time(sample.arrivals);
   if (of_run.groups.size() <= budget && !crowded) {  // all of it
-    few.odometry = log.odometry;
-    few.poses = log.poses;
-    few.bearings = log.bearings;
-    return few;
+    sample.odometry = log.odometry;
+    sample.poses = log.poses;
+    sample.bearings = log.bearings;
+    return sample;
   }
   for (const Bearing& b : log.bearings)
-    if (chosen_keys.count({b.vehicle, of_run.key_at(b.time_s)}) > 0) few.bearings.push_back(b);
+    if (chosen_keys.count({b.vehicle, of_run.key_at(b.time_s)}) > 0) sample.bearings.push_back(b);
   std::sort(spans.begin(), spans.end());
-  few.odometry = subsampled_odometry(log.odometry, spans);
-  few.poses = poses_near(log.poses, spans);
-  return few;
+  sample.odometry = subsampled_odometry(log.odometry, spans);
+  sample.poses = poses_near(log.poses, spans);
+  return sample;
 }
 
 }  // namespace octant::calib

@@ -31,7 +31,7 @@ void EndChain::append(const OpenChain& piece) {
     Eigen::LLT<NodeBlock> llt(D_);
     if (llt.info() != Eigen::Success)
       llt.compute(D_ + kSpare * (1.0 + D_.diagonal().maxCoeff()) * NodeBlock::Identity(N, N));
-    End end;
+    EliminatedEnd end;
     end.L = llt.matrixL();
     const auto L = end.L.triangularView<Eigen::Lower>();
     end.Y = L.solve(G_);
@@ -60,7 +60,7 @@ std::vector<NodeVector> EndChain::steps(const Eigen::VectorXd& dx) const {
   std::vector<NodeVector> steps(ends_.size());
   NodeVector next = NodeVector::Zero(block_);
   for (std::size_t i = ends_.size(); i-- > 0;) {
-    const End& end = ends_[i];
+    const EliminatedEnd& end = ends_[i];
     const NodeVector right = end.Y.leftCols(dx.size()) * dx + end.Y.col(dx.size()) + end.W * next;
     next = steps[i] = -end.L.triangularView<Eigen::Lower>().transpose().solve(right);
   }

@@ -40,7 +40,7 @@ class EndChain {
 
  private:
   using Border = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxBlock>;
-  struct End {
+  struct EliminatedEnd {
     NodeBlock L, W;
     Border Y;
   };
@@ -49,7 +49,7 @@ class EndChain {
   Eigen::MatrixXd sum_;  ///< of the parameters and the gradient
   NodeBlock D_;
   Border G_;  ///< of the end behind the last piece
-  std::vector<End> ends_;
+  std::vector<EliminatedEnd> ends_;
 };
 
 }  // namespace octant::calib

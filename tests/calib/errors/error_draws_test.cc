@@ -57,9 +57,9 @@ TEST(CellSums, CoarsePartitionsAreSummedFromFineOnes) {
   std::vector<DrawLine> values(2 * kRows);
   DrawBits random(4);
   for (DrawLine& line : values) random.normal(line);
-  CellSums::Room room;
+  CellSums::Scratch scratch;
   for (int again = 0; again < 2; ++again) {  // the room is used anew
-    const Eigen::MatrixXd squares = sums.squares(values, room);
+    const Eigen::MatrixXd squares = sums.squares(values, scratch);
     ASSERT_EQ(squares.rows(), 5);
     for (std::size_t k = 0; k < kDrawsAbreast; ++k) {
       const auto column = static_cast<Eigen::Index>(k);

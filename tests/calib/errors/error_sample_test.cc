@@ -33,13 +33,13 @@ TEST(ErrorSample, StretchesOfALongDriveLeaveWhatTheyShould) {
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
   const calib::ErrorDraws draws(sample);
-  calib::ErrorDraws::Room room;
+  calib::ErrorDraws::Scratch scratch;
   std::array<double, 3 * calib::kDrawsAbreast> of_draw{};
   for (std::size_t panel = 0; panel < 3; ++panel) {
     std::vector<calib::DrawLine> errors(sample.rows.size());
     for (calib::DrawLine& line : errors)
       for (float& e : line.of) e = static_cast<float>(normal(random));
-    draws.adjust(errors, draws.of_priors(panel), room);
+    draws.adjust(errors, draws.of_priors(panel), scratch);
     calib::add_squares(errors.data(), errors.size(), of_draw.data() + panel * calib::kDrawsAbreast);
   }
   const Eigen::Map<const Eigen::RowVectorXd> squares(of_draw.data(), of_draw.size());

@@ -94,7 +94,7 @@ TEST_P(SharedEntries, AreTheDerivativesByEveryParameterThereIs) {
 TEST_P(SharedEntries, APathTouchesEachKindThatItsVehicleHas) {
   const Stop stop(GetParam());
   std::set<ParameterKind> touched, free;
-  for (const calib::PathColumns::Entry& of :
+  for (const calib::PathColumns::Column& of :
        calib::path_columns(stop.layout, stop.t.arrivals[0].beacon, stop.t.arrivals[0].receiver, 0))
     touched.insert(stop.layout.parameters[static_cast<std::size_t>(of.column)].id.kind);
   for (const calib::Parameter& p : stop.layout.parameters) free.insert(p.id.kind);
@@ -105,7 +105,7 @@ TEST_P(SharedEntries, APathTouchesEachKindThatItsVehicleHas) {
 
 TEST_P(SharedEntries, AReflectorThatIsSeenHasItsPlaceAlone) {
   const Stop stop(GetParam());
-  for (const calib::PathColumns::Entry& of : calib::path_columns(stop.layout, BeaconId(1), ReceiverId(), 0))
+  for (const calib::PathColumns::Column& of : calib::path_columns(stop.layout, BeaconId(1), ReceiverId(), 0))
     EXPECT_EQ(stop.layout.parameters[static_cast<std::size_t>(of.column)].id.kind,
               ParameterKind::kBeaconPosition);
 }
