@@ -167,6 +167,9 @@ class Approacher {
     estimate_ = std::move(checkpoint.estimate);
     out_.trajectories = std::move(checkpoint.trajectories);
   }
+  [[nodiscard]] static ComparedSolution solution_of(const Checkpoint& kept) {
+    return {kept.estimate.layout, kept.estimate.x, kept.trajectories};
+  }
   [[nodiscard]] ConsensusCost consensus(double early_more = 0.0) const {
     return consensus_cost_of(problem_, estimate_.layout, estimate_.x, out_.trajectories,
                              options_.rejection_sigmas, {}, early_more);
@@ -289,48 +292,54 @@ class Approacher {
   /// one by all observations is kept. Where both are equally good a beacon is undetermined.
   bool compare_images() {
     if (!monitor_.report("mirror images", 0.67)) return false;
-    ArrivalWeights weights;  // made where there is an image, of which most sites have none
-    const auto compare = [this, &weights](const Checkpoint& here, Preference& preferred) {
-      if (weights.empty()) weights = weights_by_place(problem_, here.trajectories);
-      const double noise = agreeing_sigma(here.trajectories, here.estimate.state());
-      preferred = prefer(consensus_cost_of(problem_, here.estimate.layout, here.estimate.x, here.trajectories,
-                                           options_.rejection_sigmas, weights),
-                         consensus_cost_of(problem_, estimate_.layout, estimate_.x, out_.trajectories,
-                                           options_.rejection_sigmas, weights),
-                         noise);
-      if (preferred != Preference::kSecond) restore(here);
-    };
-    for (std::size_t b = 0; b < estimate_.beacon_usable.size(); ++b) {
-      const std::array<int, 3>& columns = estimate_.layout.beacon[b];
-      if (!estimate_.beacon_usable[b] || *std::max_element(columns.begin(), columns.end()) < 0) continue;
-      auto image = mirror_image(problem_, estimate_.state(), out_.trajectories, b, 3 * sigma_m());
-      if (!image) image = image_across_receivers(problem_, estimate_.layout, estimate_.x, b);
-      if (!image) continue;
-      const Checkpoint here = checkpoint();
-      for (std::size_t i = 0; i < 3; ++i)
-        if (columns[i] >= 0) estimate_.x[columns[i]] = (*image)[static_cast<Eigen::Index>(i)];
-      if (!adjust_with(kCauchyScale, 1e-8)) return false;
-      const Checkpoint there = checkpoint();
-      const Eigen::Vector3d p_here_m = here.estimate.state().beacon_p_map_m[b],
-                            p_there_m = there.estimate.state().beacon_p_map_m[b];
-      Preference preferred = Preference::kNeither;
-      compare(here, preferred);
-      // Bearings may have led it back to where it was: that is no second place.
-      if (preferred != Preference::kNeither || (p_there_m - p_here_m).norm() <= tolerance_m(problem_)) {
-        estimate_.beacon_mirrored[b] = false;
-      } else if (is_under_floor(p_here_m) != is_under_floor(p_there_m)) {
-        if (is_under_floor(p_here_m)) restore(there);
-        estimate_.beacon_mirrored[b] = false;
-      } else {
-        estimate_.beacon_mirrored[b] = true;
-      }
+    // A second time where one went to the other side: others were held against it where it was.
+    bool is_turned = true;
+    for (int round = 0; round < 2 && is_turned; ++round) {
+      is_turned = false;
+      for (std::size_t b = 0; b < estimate_.beacon_usable.size(); ++b)
+        if (!compare_image_of(b, is_turned)) return false;
     }
+    return compare_site_image();
+  }
+
+  /// @param is_turned  set where the image in height was kept
+  bool compare_image_of(std::size_t b, bool& is_turned) {
+    const std::array<int, 3>& columns = estimate_.layout.beacon[b];
+    if (!estimate_.beacon_usable[b] || *std::max_element(columns.begin(), columns.end()) < 0) return true;
+    estimate_.beacon_mirrored[b] = false;
+    auto image = mirror_image(problem_, estimate_.state(), out_.trajectories, b, 3 * sigma_m());
+    if (!image) image = image_across_receivers(problem_, estimate_.layout, estimate_.x, b);
+    if (!image) return true;
+    const Checkpoint here = checkpoint();
+    for (std::size_t i = 0; i < 3; ++i)
+      if (columns[i] >= 0) estimate_.x[columns[i]] = (*image)[static_cast<Eigen::Index>(i)];
+    if (!adjust_with(kCauchyScale, 1e-8)) return false;
+    const Checkpoint there = checkpoint();
+    const Eigen::Vector3d p_here_m = here.estimate.state().beacon_p_map_m[b],
+                          p_there_m = there.estimate.state().beacon_p_map_m[b];
+    const bool is_height = is_across_receivers(problem_, p_here_m, p_there_m);
+    const Preference preferred = (is_height ? prefer_height : prefer_by_all)(
+        problem_, solution_of(here), solution_of(there), options_.rejection_sigmas);
+    // Bearings may have led it back to where it was: that is no second place.
+    const bool is_one_place = (p_there_m - p_here_m).norm() <= tolerance_m(problem_),
+               is_open = preferred == Preference::kNeither && !is_one_place,
+               is_below = is_under_floor(p_here_m), is_image_below = is_under_floor(p_there_m),
+               is_kept = preferred == Preference::kSecond || (is_open && is_below && !is_image_below);
+    if (!is_kept) restore(here);
+    is_turned = is_turned || (is_kept && is_height && !is_one_place);
+    estimate_.beacon_mirrored[b] = is_open && is_below == is_image_below;
+    return true;
+  }
+
+  bool compare_site_image() {
     const Checkpoint here = checkpoint();
     if (!reflect_site(problem_, estimate_.layout, estimate_.x, out_.trajectories)) return true;
     const Eigen::VectorXd image = estimate_.x;
     if (!adjust_with(kCauchyScale, 1e-8)) return false;
-    Preference preferred = Preference::kNeither;
-    compare(here, preferred);
+    const Preference preferred =
+        prefer_by_all(problem_, solution_of(here), {estimate_.layout, estimate_.x, out_.trajectories},
+                      options_.rejection_sigmas);
+    if (preferred != Preference::kSecond) restore(here);
     if (preferred != Preference::kNeither) return true;
     for (std::size_t b = 0; b < estimate_.beacon_usable.size(); ++b)
       for (const int column : {estimate_.layout.beacon[b][0], estimate_.layout.beacon[b][1]})
@@ -339,8 +348,7 @@ class Approacher {
     return true;
   }
 
-  /// States that fell into a wrong place while the beacons were off, which they may still be by so many
-  /// sigmas of an arrival.
+  /// States that fell into a wrong place while the beacons were off, as they may still be by so many sigmas.
   void place_again(double scale, double uncertainty_sigmas) {
     const EpochFixModel model = search_model(problem_, estimate_.state(), estimate_.beacon_usable);
     for (Trajectory& t : out_.trajectories)

@@ -11,6 +11,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "calib/adjust/priors.h"
+#include "calib/adjust/reject.h"
 #include "calib/problem/ranges.h"
 #include "calib/verdict/observability.h"
 #include "models/trajectory/linearise.h"
@@ -23,6 +24,9 @@ constexpr double kDecided = 8.0;
 /// The same of ranges alone: a mirror image that explains them worse by less than this is as good (see
 /// trilaterate.cc, where it is kAsGood at three times the scale, with a quarter of the weight).
 constexpr double kDecidedByRanges = 144.0;
+/// Half the squares by which arrivals have to tell a beacon above the receivers from one below:
+/// more than kDecided, as part of what a pair keeps goes into the beacon's own place and delay.
+constexpr double kDecidedByHeight = 12.0;
 /// Places this many sigmas off a line are not in line; a prior beyond this share of the typical range is no
 /// known place.
 constexpr double kOffLineSigmas = 5.0;
@@ -155,6 +159,81 @@ Preference prefer(const ConsensusCost& first, const ConsensusCost& second, doubl
                by_all = second.total() - first.total();
   if (std::abs(by_all) > scale * kDecidedByRanges ||
       (by_others * by_all > 0 && std::min(std::abs(by_others), std::abs(by_all)) > scale * kDecided))
+    return by_all > 0 ? Preference::kFirst : Preference::kSecond;
+  return Preference::kNeither;
+}
+
+Preference prefer_by_all(const Problem& problem, const ComparedSolution& first,
+                         const ComparedSolution& second, double rejection_sigmas) {
+  const ArrivalWeights weights = weights_by_place(problem, first.trajectories);
+  const auto cost_of = [&](const ComparedSolution& of) {
+    return consensus_cost_of(problem, of.layout, of.x, of.trajectories, rejection_sigmas, weights);
+  };
+  return prefer(cost_of(first), cost_of(second),
+                agreeing_sigma(first.trajectories, first.layout.state_of(first.x)));
+}
+
+double arrivals_against(const Problem& problem, const ComparedSolution& first, const ComparedSolution& second,
+                        double rejection_sigmas) {
+  struct Difference {
+    double first = 0.0, second = 0.0;  ///< residuals
+    std::pair<BeaconId, ReceiverId> pair;
+    Place place;
+  };
+  const double cap = 0.5 * rejection_sigmas * rejection_sigmas;
+  std::vector<Difference> differences;
+  double against = 0.0, squares = 0.0;  // of the differences
+  const SharedState of_first = first.layout.state_of(first.x), of_second = second.layout.state_of(second.x);
+  for (std::size_t k = 0; k < first.trajectories.size(); ++k) {
+    const Trajectory &a = first.trajectories[k], &b = second.trajectories[k];
+    for (std::size_t i = 0; i < a.arrivals.size(); ++i) {
+      const ArrivalObservation& arrival = a.arrivals[i];
+      if (arrival.rejection == Rejection::kBeaconUnusable || arrival.rejection == Rejection::kNoPose)
+        continue;
+      const double r = arrival_residual(a, arrival, of_first),
+                   s = arrival_residual(b, b.arrivals[i], of_second);
+      against += std::min(cap, 0.5 * s * s) - std::min(cap, 0.5 * r * r);
+      if (std::max(std::abs(r), std::abs(s)) > rejection_sigmas) continue;
+      squares += (s - r) * (s - r);
+      differences.push_back(
+          {r,
+           s,
+           {arrival.beacon, arrival.receiver},
+           place_at(a.nodes[arrival.node].T_map_vehicle.translation_m, problem.typical_range_m)});
+    }
+  }
+  // Residuals of the better solution, summed along the difference.
+  double white = 0.0;
+  std::map<std::pair<BeaconId, ReceiverId>, double> by_pair;
+  std::map<Place, double> by_place;
+  for (const Difference& d : differences) {
+    const double along = (d.second - d.first) * (against < 0 ? d.second : d.first);
+    white += along * along;
+    by_pair[d.pair] += along;
+    by_place[d.place] += along;
+  }
+  const auto variance = [](const auto& sums) {
+    double sum = 0.0;
+    for (const auto& [key, along] : sums) sum += along * along;
+    return sum;
+  };
+  return against * squares / std::max({squares, white, variance(by_pair), variance(by_place), 1e-300});
+}
+
+bool is_across_receivers(const Problem& problem, const Eigen::Vector3d& p_m, const Eigen::Vector3d& image_m) {
+  const Eigen::Vector3d apart_m = image_m - p_m;
+  return problem.site.motion == Motion::kPlanar && apart_m.head<2>().norm() < 0.5 * std::abs(apart_m.z());
+}
+
+Preference prefer_height(const Problem& problem, const ComparedSolution& first,
+                         const ComparedSolution& second, double rejection_sigmas) {
+  const auto others_of = [&](const ComparedSolution& of) {
+    return consensus_cost_of(problem, of.layout, of.x, of.trajectories, rejection_sigmas).others;
+  };
+  const double by_others = others_of(second) - others_of(first),
+               by_all = by_others + arrivals_against(problem, first, second, rejection_sigmas);
+  if (std::abs(by_all) > kDecidedByHeight ||
+      (by_others * by_all > 0 && std::min(std::abs(by_others), std::abs(by_all)) > kDecided))
     return by_all > 0 ? Preference::kFirst : Preference::kSecond;
   return Preference::kNeither;
 }

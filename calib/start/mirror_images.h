@@ -47,6 +47,29 @@ enum class Preference { kFirst, kSecond, kNeither };
 /// @param noise  of the arrivals over the stated one
 [[nodiscard]] Preference prefer(const ConsensusCost& first, const ConsensusCost& second, double noise);
 
+/// One of two solutions that are compared, adjusted.
+struct ComparedSolution {
+  const ParameterLayout& layout;
+  const Eigen::VectorXd& x;
+  const std::vector<Trajectory>& trajectories;
+};
+/// The same of whole solutions, with weights_by_place and the first one's noise.
+[[nodiscard]] Preference prefer_by_all(const Problem& problem, const ComparedSolution& first,
+                                       const ComparedSolution& second, double rejection_sigmas);
+/// Half the squares by which the arrivals speak against the second of two solutions (negative: against the
+/// first), worth as much as of white noise: residuals that keep together within a pair of beacon and
+/// receiver, or at a place, along the difference of both solutions count for less, by the variance that they
+/// give its sum (Liang and Zeger 1986).
+[[nodiscard]] double arrivals_against(const Problem& problem, const ComparedSolution& first,
+                                      const ComparedSolution& second, double rejection_sigmas);
+/// Two places of a beacon of a planar site that differ in height.
+[[nodiscard]] bool is_across_receivers(const Problem& problem, const Eigen::Vector3d& p_m,
+                                       const Eigen::Vector3d& image_m);
+/// Compares a beacon above the receivers with its image below them, or the reverse: receivers at slightly
+/// different heights tell, where those are known.
+[[nodiscard]] Preference prefer_height(const Problem& problem, const ComparedSolution& first,
+                                       const ComparedSolution& second, double rejection_sigmas);
+
 /// A beacon of a planar site as far below the receivers as it is above them, or the reverse: what arrivals do
 /// not tell where all receivers are at one height. None where the prior of its height tells, or there is
 /// none, or both are one place to the tolerance for beacons.

@@ -3,11 +3,14 @@
 #include "calib/start/mirror_images.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calib/start/approach.h"
+#include "models/trajectory/linearise.h"
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
@@ -122,6 +125,55 @@ TEST(MirrorImages, ABeaconNearTheReceiversHeightMayBeAboveOrBelow) {
   static_cast<void>(with_height_stated(2.4, 2.2, found_m, mirrored));
   EXPECT_FALSE(mirrored);
   EXPECT_NEAR(found_m, 2.4, 0.02);
+}
+
+// Receivers whose heights differ by centimetres tell which side of them a beacon is, where those are known.
+TEST(MirrorImages, ReceiversAtDifferentHeightsTellAboveFromBelow) {
+  constexpr std::size_t kBeacon = 1;
+  Scenario s = hall_scenario();
+  for (std::size_t r = 0; r < s.site.receivers.size(); ++r)
+    s.site.receivers[r].position_m.z() = r % 2 == 0 ? 0.37 : 0.43;
+  for (const double z_m : {0.8, 0.05})
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      s.site.beacons[kBeacon].position_m[2] = z_m;
+      World world = must(simulate(s, seed));
+      world.site.beacons[kBeacon].position_m[2] = 0.8 - z_m;
+      world.site.beacons[kBeacon].sigma_m[2] = 0.5;
+      const calib::Solution solution = solution_of(world);
+      EXPECT_FALSE(solution.beacon_mirrored[kBeacon]) << z_m << " m, seed " << seed;
+      EXPECT_NEAR(solution.state.beacon_p_map_m[kBeacon].z(), z_m, 0.03) << "seed " << seed;
+    }
+}
+
+// The same squares, spread over the arrivals of a pair or kept by it.
+TEST(MirrorImages, WhatAPairKeepsCountsForLess) {
+  constexpr std::size_t kBeacon = 1;
+  const World world = must(simulate(hall_scenario(), 3));
+  const calib::Problem problem = problem_of(world);
+  calib::ProgressMonitor monitor({});
+  const calib::Approach approach = calib::approach(problem, {}, monitor);
+  const calib::ParameterLayout& layout = approach.estimate.layout;
+  Eigen::VectorXd lower = approach.estimate.x;
+  lower[layout.beacon[kBeacon][2]] -= 0.02;
+  const auto against = [&](bool by_pair) {
+    std::vector<Trajectory> trajectories = approach.trajectories;
+    const SharedState state = approach.estimate.state();
+    std::map<std::size_t, int> arrivals;  // of each receiver
+    for (Trajectory& t : trajectories)
+      for (ArrivalObservation& a : t.arrivals)
+        if (a.beacon.index() == kBeacon) {
+          const std::size_t r = a.receiver.index();
+          const double wanted = (by_pair ? r : static_cast<std::size_t>(arrivals[r]++)) % 2 == 0 ? 1.0 : -1.0;
+          a.tof_s += (wanted - arrival_residual(t, a, state)) * a.sigma_s;
+        }
+    EXPECT_NEAR(arrival_residual(trajectories[0], trajectories[0].arrivals[0], state), 0.0, 4.0);
+    return calib::arrivals_against(problem, {layout, approach.estimate.x, trajectories},
+                                   {layout, lower, trajectories}, 4.5);
+  };
+  const double spread = against(false), kept = against(true);
+  EXPECT_GT(spread, 100.0);
+  EXPECT_GT(kept, 0.0);
+  EXPECT_LT(kept, 0.2 * spread);
 }
 
 TEST(MirrorImages, OfAWholeSiteNoSideIsGuessed) {
