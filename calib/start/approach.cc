@@ -22,6 +22,7 @@ namespace octant::calib {
 namespace {
 
 constexpr int kMaxStages = 12;
+constexpr double kLeastPlaced = 0.25;  ///< of the arrivals of beacons that are all held
 /// An epoch with an arrival this far off (beside the robust scale) is searched again.
 constexpr double kSuspectSigmas = 2.0;
 /// Beacons at a stage of the graduated adjustment are off by about this share of its scale.
@@ -64,15 +65,19 @@ class Approacher {
     if (const auto missing = missing_scale(problem_)) return stop(refused(*missing));
     start_ = initial_values(problem_, options_.threads);
     set_start();
-    if (!placed_any_) return stop(without_any_pose(problem_, estimate_.beacon_usable));
+    if (!has_poses(0.0)) return false;
     // Clear images before labels are held against what was found; others once all has been searched again.
     if (!graduated() || !compare_image_in_wall(kClearImage) || !mend_labels() ||
         (search_again && (!search_and_adjust() || !compare_image_in_wall(1.0) || !look_behind_obstacles() ||
                           !compare_images())))
       return stop(interrupted_solution());
-    return true;
+    return has_poses(kLeastPlaced);
   }
-
+  bool has_poses(double least_share) {
+    auto why_not =
+        without_poses(problem_, estimate_.layout, estimate_.beacon_usable, out_.trajectories, least_share);
+    return why_not ? stop(std::move(*why_not)) : true;
+  }
   bool stop(Solution why) {
     out_.why_not = std::move(why);
     return false;
@@ -87,8 +92,6 @@ class Approacher {
     estimate_.x = estimate_.layout.vector_of(start_.state);
     readmit_all(out_.trajectories, estimate_.beacon_usable);
     out_.start_headings_rad = epoch_headings_rad(out_.trajectories);
-    for (const Trajectory& t : out_.trajectories)
-      for (const Segment& s : t.segments) placed_any_ = placed_any_ || t.nodes[s.first_node].placed;
     out_.warnings = start_.warnings;
   }
 
@@ -371,11 +374,8 @@ class Approacher {
         if (!adjust_with(scale, scale > kCauchyScale ? 1e-4 : 1e-10)) return false;
       const double cost = consensus().total();
       const bool better = cost < best, much_better = cost < kMuchBetter * best;
-      if (better) {
-        best = cost;
-      } else {
-        restore(before);
-      }
+      if (better) best = cost;
+      if (!better) restore(before);
       if (!much_better && ++failures >= 2) break;
     }
     return true;
@@ -387,7 +387,6 @@ class Approacher {
   Start start_;
   Approach out_;
   Estimate& estimate_ = out_.estimate;
-  bool placed_any_ = false;
 };
 
 }  // namespace

@@ -259,6 +259,13 @@ std::optional<Eigen::Vector3d> image_across_receivers(const Problem& problem, co
   return image;
 }
 
+bool is_known_in_line(const Problem& problem, const ParameterLayout& layout,
+                      const std::vector<Trajectory>& trajectories) {
+  const std::vector<KnownPlace> places = known_places(problem, layout, trajectories);
+  return problem.site.motion == Motion::kPlanar && places.size() >= 2 && line_through(places) &&
+         !distinguishes_left_from_right(problem, trajectories);
+}
+
 bool reflect_site(const Problem& problem, const ParameterLayout& layout, Eigen::VectorXd& x,
                   std::vector<Trajectory>& trajectories, double off_line_m) {
   const bool all_fixed = std::all_of(layout.beacon.begin(), layout.beacon.end(), [](const auto& columns) {

@@ -84,6 +84,11 @@ struct ComparedSolution {
   return p_map_m.z() < -kMargin_m;
 }
 
+/// Whether all known places of a planar site lie in one line (there are two at least), and nothing tells left
+/// from right.
+[[nodiscard]] bool is_known_in_line(const Problem& problem, const ParameterLayout& layout,
+                                    const std::vector<Trajectory>& trajectories);
+
 /// Turns a planar site into its mirror image: beacons in the layout and states without a measured pose are
 /// reflected in the line of all that is known, or in any line where that is less than two places. False (and
 /// nothing is changed) where all beacons are fixed, where known places do not lie in line, where odometry or

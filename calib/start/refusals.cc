@@ -2,11 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/start/refusals.h"
 
+#include <algorithm>
+#include <array>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include "calib/start/mirror_images.h"
 
 namespace octant::calib {
 
@@ -25,6 +29,26 @@ Solution refused(WeakDirection direction) {
   solution.undetermined = direction.parameters;
   solution.weak.push_back(std::move(direction));
   return solution;
+}
+
+namespace {
+
+struct PlacedArrivals {
+  std::size_t placed = 0, all = 0;
+};
+PlacedArrivals placed_of(const std::vector<Trajectory>& trajectories) {
+  PlacedArrivals n;
+  for (const Trajectory& t : trajectories) {
+    n.all += t.arrivals.size() + t.stateless_arrivals.size();
+    for (const ArrivalObservation& a : t.arrivals) n.placed += t.nodes[a.node].placed ? 1 : 0;
+  }
+  return n;
+}
+
+bool are_all_held(const ParameterLayout& layout) {
+  return std::all_of(layout.beacon.begin(), layout.beacon.end(), [](const std::array<int, 3>& columns) {
+    return *std::max_element(columns.begin(), columns.end()) < 0;
+  });
 }
 
 Solution without_any_pose(const Problem& problem, const std::vector<bool>& beacon_found) {
@@ -53,6 +77,38 @@ Solution without_any_pose(const Problem& problem, const std::vector<bool>& beaco
       "poses of the vehicle";
   direction.blocking = true;
   return refused(std::move(direction));
+}
+
+/// Beacons that all stand in a line: no pose is told from its image in it.
+Solution without_a_side(const Problem& problem, const PlacedArrivals& n) {
+  WeakDirection direction;
+  const NameTable site_names = names_of(problem.site);
+  for (std::size_t b = 0; b < problem.site.beacons.size(); ++b)
+    direction.parameters.push_back(owner_name(parameters::beacon_delay(b), site_names));
+  direction.description = fmt::format(
+      "the poses of the vehicle ({} of {} arrivals have none): beacons {} stand in one line, and the image "
+      "of "
+      "each pose in it explains the arrivals as well",
+      n.all - n.placed, n.all, fmt::join(site_names.beacons, ", "));
+  direction.remedy =
+      "add a beacon beside that line, record odometry or poses of the vehicle, or use receivers that tell "
+      "left "
+      "from right";
+  direction.blocking = true;
+  return refused(std::move(direction));
+}
+
+}  // namespace
+
+std::optional<Solution> without_poses(const Problem& problem, const ParameterLayout& layout,
+                                      const std::vector<bool>& beacon_found,
+                                      const std::vector<Trajectory>& trajectories, double least_share) {
+  const PlacedArrivals n = placed_of(trajectories);
+  const bool are_few = static_cast<double>(n.placed) < least_share * static_cast<double>(n.all),
+             all_held = are_all_held(layout);
+  if (n.placed > 0 && !(are_few && all_held)) return std::nullopt;
+  if (all_held && is_known_in_line(problem, layout, trajectories)) return without_a_side(problem, n);
+  return without_any_pose(problem, beacon_found);
 }
 
 }  // namespace octant::calib

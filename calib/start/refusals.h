@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "calib/calibrate.h"
+#include "calib/problem/parameters.h"
 #include "calib/problem/problem.h"
 
 namespace octant::calib {
@@ -15,7 +17,13 @@ namespace octant::calib {
 /// Nothing is solved, as the data do not determine a direction; what would settle it is said.
 [[nodiscard]] Solution refused(WeakDirection direction);
 
-/// Refused because no pose of the vehicle was found. @param beacon_found  those that were placed
-[[nodiscard]] Solution without_any_pose(const Problem& problem, const std::vector<bool>& beacon_found);
+/// Refused where no pose of the vehicle was found, or, all beacons being held, none for most of the arrivals:
+/// what is calibrated then hangs on the few that chance placed. None: enough was found.
+/// @param beacon_found  those that were placed
+/// @param least_share  of the arrivals of held beacons that have to have a pose
+[[nodiscard]] std::optional<Solution> without_poses(const Problem& problem, const ParameterLayout& layout,
+                                                    const std::vector<bool>& beacon_found,
+                                                    const std::vector<Trajectory>& trajectories,
+                                                    double least_share);
 
 }  // namespace octant::calib

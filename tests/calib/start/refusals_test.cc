@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/start/refusals.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/calib/calib_support.h"
+
+namespace octant::test {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// One receiver on the origin stops among beacons that are all held.
+World world_of(std::vector<Eigen::Vector3d> beacons_m, std::uint64_t seed) {
+  Scenario s = hall_scenario();
+  s.site.receivers.resize(1);
+  s.site.receivers[0].position_m = {0.0, 0.0, 0.3};
+  s.site.receivers[0].sigma_m.setZero();
+  s.site.receivers[0].axis.reset();
+  s.site.vehicles[0].receiver_count = 1;
+  s.site.vehicles[0].array.reset();
+  s.site.beacons.resize(beacons_m.size());
+  for (std::size_t b = 0; b < beacons_m.size(); ++b)
+    for (std::size_t i = 0; i < 3; ++i) {
+      s.site.beacons[b].position_m[i] = beacons_m[b][static_cast<Eigen::Index>(i)];
+      s.site.beacons[b].sigma_m[i] = 0.0;
+    }
+  s.range_m = 40.0;
+  s.path = {};
+  s.path.epochs = 60;
+  return must(simulate(s, seed));
+}
+
+// A few epochs come out on one side by chance; what hangs on them is no calibration.
+TEST(Refusals, HeldBeaconsInALineTellNoSide) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const calib::Solution solution =
+        solution_of(world_of({{0.0, 4.0, 2.5}, {5.0, 4.0, 2.5}, {10.0, 4.0, 2.5}}, seed));
+    EXPECT_EQ(solution.status, calib::SolveStatus::kUndetermined) << "seed " << seed;
+    EXPECT_THAT(solution.message, AllOf(HasSubstr("stand in one line"), HasSubstr("add a beacon beside")));
+  }
+}
+
+TEST(Refusals, HeldBeaconsBesideALineDo) {
+  const calib::Solution solution =
+      solution_of(world_of({{0.0, 4.0, 2.5}, {5.0, 4.0, 2.5}, {10.0, 4.0, 2.5}, {7.0, 11.0, 2.5}}, 1));
+  EXPECT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
+}
+
+TEST(Refusals, TooFewAtOnceAreSaidToBeSo) {
+  World world = world_of({{0.0, 0.0, 2.5}, {10.0, 0.0, 2.5}, {5.0, 8.0, 2.5}}, 1);
+  std::erase_if(world.run.arrivals, [](const Arrival& a) { return a.epoch % 3 != a.beacon.index(); });
+  const calib::Solution solution = solution_of(world);
+  EXPECT_EQ(solution.status, calib::SolveStatus::kUndetermined);
+  EXPECT_THAT(solution.message, AllOf(HasSubstr("no epoch hears enough"), Not(HasSubstr("in one line"))));
+}
+
+}  // namespace
+}  // namespace octant::test
