@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "io/import/mapping_words.h"
+#include "io/run/last_row.h"
 #include "io/text/bounds.h"
 #include "io/text/mapped_file.h"
 #include "io/text/text.h"
@@ -340,7 +341,11 @@ Result<ConvertedTable> convert_table(const std::string& path, const TableMapping
   const auto map = MappedFile::open(path);
   if (!map) return fail(map.error());
   if (auto text = check_lines(map->text(), path); !text) return fail(text.error());
-  return TableReader(path, mapping).read(without_bom(map->text()));
+  std::vector<std::string> warnings;
+  const std::string_view whole = without_cut_row(map->text(), path, warnings);
+  auto table = TableReader(path, mapping).read(without_bom(whole));
+  if (table) table->warnings.insert(table->warnings.begin(), warnings.begin(), warnings.end());
+  return table;
 }
 
 }  // namespace octant::io

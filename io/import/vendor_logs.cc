@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "io/import/mapping_words.h"
+#include "io/run/last_row.h"
 #include "io/text/bounds.h"
 #include "io/text/csv.h"
 #include "io/text/mapped_file.h"
@@ -291,7 +292,8 @@ Result<ImportedLog> read_marvelmind_log(const std::string& path, const VendorLog
 Result<ImportedLog> read_crazyflie_log(const std::string& path, const VendorLogOptions& options) {
   const auto map = MappedFile::open(path);
   if (!map) return fail(map.error());
-  CsvReader csv(map->text(), path);
+  VendorRows rows(path, options);
+  CsvReader csv(without_cut_row(map->text(), path, rows.log.warnings), path);
   csv.read_header();
   if (csv.error()) return fail(*csv.error());
   const int upper = csv.find("Timestamp"), time = upper >= 0 ? upper : csv.require("timestamp");
@@ -302,7 +304,6 @@ Result<ImportedLog> read_crazyflie_log(const std::string& path, const VendorLogO
     distance[i] = csv.find(fmt::format("ranging.distance{}", i));
     any = any || distance[i] >= 0;
   }
-  VendorRows rows(path, options);
   if (!any && !csv.error()) {
     const bool differences = std::any_of(csv.header().begin(), csv.header().end(),
                                          [](const std::string& name) { return name.starts_with("tdoa"); });

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "io/run/last_row.h"
 #include "io/run/run_advice.h"
 #include "io/text/csv.h"
 #include "io/text/mapped_file.h"
@@ -85,7 +86,7 @@ class IdReader {
     ++files_;
     const auto map = MappedFile::open(path);
     if (!map) return fail(map.error());
-    CsvReader csv(map->text(), path);
+    CsvReader csv(without_cut_row(map->text(), path, ids_.warnings), path);
     csv.read_header();
     const int beacon = csv.require(what), vehicle = csv.find("vehicle"), receiver = csv.find("receiver");
     ids_.has_epochs = csv.find("epoch") >= 0 || ids_.has_epochs;

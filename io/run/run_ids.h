@@ -19,6 +19,7 @@ struct RunIds {
   std::vector<Vehicle> vehicles;     ///< at least one
   bool has_epochs = false;
   bool has_amplitudes = false;
+  std::vector<std::string> warnings = {};
 };
 
 /// Of the tof.csv and bearings.csv of a run folder. Errors: neither is there, no row in either, what CSV

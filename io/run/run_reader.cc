@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "io/run/last_row.h"
 #include "io/run/run_advice.h"
 #include "io/run/tum.h"
 #include "io/text/atomic_file.h"
@@ -60,14 +61,16 @@ bool RunReader::is_there(const std::string& file) const {
 }
 
 /// Content of a file of the folder; nothing if there is none.
-Result<std::optional<MappedFile>> RunReader::load(const char* name) {
+Result<std::optional<RunReader::RunFileText>> RunReader::load(const char* name) {
   const std::string file = path(name);
   if (!is_there(file)) return std::nullopt;
   auto map = MappedFile::open(file);
   if (!map) return fail(map.error());
   if (auto ok = check_lines(map->text(), file); !ok) return fail(ok.error());
   log_.sha256[file] = sha256_hex(map->text());
-  return std::optional<MappedFile>(std::move(*map));
+  const bool table = !file.ends_with(".yaml");
+  const std::size_t size = (table ? without_cut_row(map->text(), file, log_.warnings) : map->text()).size();
+  return RunFileText{std::move(*map), size};
 }
 
 Result<void> RunReader::read_header() {
@@ -96,8 +99,10 @@ Result<void> RunReader::open_tof() {
   auto map = MappedFile::open(file);
   if (!map) return fail(map.error());
   tof_map_ = std::make_shared<const MappedFile>(std::move(*map));
-  tof_ = std::make_unique<TofReader>(tof_map_, file, lookup_, clock_,
-                                     TofReaderOptions{.threads = options_.threads, .distance = distance_});
+  const std::string_view whole = without_cut_row(tof_map_->text(), file, log_.warnings);
+  tof_ = std::make_unique<TofReader>(
+      tof_map_, file, lookup_, clock_,
+      TofReaderOptions{.threads = options_.threads, .to = whole.size(), .distance = distance_});
   if (auto ok = tof_->read_header(); !ok) return ok;
   has_tof_ = true;
   log_.has_epochs = log_.has_epochs || tof_->has_epochs();

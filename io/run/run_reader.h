@@ -51,7 +51,13 @@ class RunReader {
   [[nodiscard]] std::string path(const char* name) const;
   [[nodiscard]] bool is_there(const std::string& file) const;
   [[nodiscard]] Result<void> check_folder() const;
-  Result<std::optional<MappedFile>> load(const char* name);
+  /// A file of the folder, and what is read of it: all but a last row that is cut off.
+  struct RunFileText {
+    MappedFile map;
+    std::size_t size;
+    [[nodiscard]] std::string_view text() const { return map.text().substr(0, size); }
+  };
+  Result<std::optional<RunFileText>> load(const char* name);
   Result<bool> append_arrivals(std::vector<Arrival>& all);
   Result<void> read_header();
   Result<void> open_tof();

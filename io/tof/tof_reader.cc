@@ -215,15 +215,16 @@ std::string TofReader::sha256() {
 }
 
 void TofReader::digest_rest() {
-  while (!abandoned_ && digested_ < text_.size()) {
+  const std::size_t size = map_->text().size();
+  while (!abandoned_ && digested_ < size) {
     const std::size_t begin = digested_;
-    digest_to(std::min(text_.size(), begin + kDigestBytes));
+    digest_to(std::min(size, begin + kDigestBytes));
     map_->release(begin, digested_);
   }
 }
 
 void TofReader::digest_to(std::size_t offset) {
-  digest_.add(text_.substr(digested_, offset - digested_));
+  digest_.add(map_->text().substr(digested_, offset - digested_));
   digested_ = offset;
 }
 

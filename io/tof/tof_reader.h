@@ -30,9 +30,10 @@ struct TofReaderOptions {
   std::size_t chunk_bytes =
       std::size_t{1} << 17;  ///< a piece that a thread parses at once; with its rows it stays in its cache
   bool general_way = false;  ///< row by row from the beginning: what all else is measured against
-  /// Only the rows from here to an offset at which a row begins (or the end) of a file that has been read as
-  /// a whole before: what can be said of the file alone (text, digest) is not looked at again.
+  /// Only the rows from here, of a file that has been read as a whole before: what can be said of the file
+  /// alone (text, digest) is not looked at again.
   std::optional<TofPosition> from = {};
+  /// The rows up to an offset at which one begins (or the end); the digest is of the whole file all the same.
   std::size_t to = std::string_view::npos;
   DistanceAsTime distance = {};
 };

@@ -34,6 +34,7 @@ int init(const InitArgs& args, Session& session) {
     auto found = io::read_run_ids(args.run);
     if (!found) return session.fail(found.error());
     ids = std::move(*found);
+    session.warn(ids.warnings);
   }
   const std::string text = site_template(args.kind, args.name, ids);
   if (args.output == "-") return session.finish_document(text);

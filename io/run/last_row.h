@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Private to io/: the last row of a table that was cut off while it was written or copied.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace octant::io {
+
+/// A table (`*.tum`: fields parted by blanks; all others by commas, semicolons or tabs) whose text does not
+/// end with a newline may have been cut off anywhere, in the middle of a number as well. One warning says so.
+/// The row is left out only where that is visible: it has fewer fields than the row before, or its last field
+/// is shorter (decimals, or the name) than that of ten rows and more above it. Files that people end without
+/// a newline keep their last row.
+/// @return the text without the row that is cut, or all of it
+[[nodiscard]] std::string_view without_cut_row(std::string_view text, const std::string& file,
+                                               std::vector<std::string>& warnings);
+
+}  // namespace octant::io
