@@ -11,6 +11,7 @@
 
 #include "io/text/text.h"
 #include "io/tof/run_parts.h"
+#include "io/tof/tof_rows.h"
 #include "models/physics/unit_rotation.h"
 
 namespace octant::io {
@@ -58,6 +59,8 @@ Result<LiveRow> odometry_row(const LiveObject& object, double time_s, VehicleId 
                     .vehicle = vehicle,
                     .dz_m = live_number(object, "dz_m", 0.0)};
   if (!step.is_finite()) return bad_line("dx_m, dy_m, dz_m or dheading_rad is no number");
+  for (const double metres : {step.dx_m, step.dy_m, step.dz_m})
+    if (std::abs(metres) > kLargestLength_m) return bad_line("dx_m, dy_m or dz_m is impossibly large");
   if (!object.contains("qw")) return LiveRow{step};
   if (object.contains("dheading_rad")) return bad_line("both a quaternion and dheading_rad", "one of them");
   const auto part = [&](const char* key) { return live_number(object, key, std::nan("")); };
@@ -117,6 +120,7 @@ Result<LiveRow> LiveReader::row(std::string_view line) const {
   if (!object.contains("tof_s") && constant_speed_mps_ > 0)
     a.tof_s = live_number(object, "distance_m", std::nan("")) / constant_speed_mps_;
   if (!std::isfinite(a.tof_s)) return bad_line("tof_s is missing or no number");
+  if (std::abs(a.tof_s) > kLargestTof_s) return bad_line("tof_s is impossibly large");
   a.amplitude_v = live_number(object, "amplitude_v", a.amplitude_v);
   a.temperature_degC = live_number(object, "temperature_degC", a.temperature_degC);
   if (const auto epoch = object.find("epoch"); epoch != object.end() && !epoch->is_null()) {

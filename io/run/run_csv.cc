@@ -114,8 +114,8 @@ class OdometryColumns {
   }
 
   bool read(CsvReader& csv, OdometryStep& row) const {
-    if (!csv.number(dx_, row.dx_m) || !csv.number(dy_, row.dy_m)) return false;
-    if (dz_ >= 0 && !csv.number(dz_, row.dz_m)) return false;
+    if (!csv.length(dx_, row.dx_m) || !csv.length(dy_, row.dy_m)) return false;
+    if (dz_ >= 0 && !csv.length(dz_, row.dz_m)) return false;
     if (!in_space_)
       return csv.number(turn_, row.dheading_rad) && check_angle(csv, turn_, "dheading_rad", row.dheading_rad);
     std::array<double, 4> xyzw{};

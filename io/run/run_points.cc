@@ -67,8 +67,8 @@ bool read_point(CsvReader& csv, const PointColumns& columns, const NameLookup& n
   if (of_run.valid() && vehicle != of_run)
     return csv.fail_at(columns.vehicle, "a point of another vehicle than that of the run",
                        "points of one vehicle", "name it in run.yaml (vehicle), or split the run");
-  if (!csv.number(columns.x, point.p_m.x()) || !csv.number(columns.y, point.p_m.y())) return false;
-  if (columns.z >= 0 && !csv.field(columns.z).empty() && !csv.number(columns.z, point.p_m.z())) return false;
+  if (!csv.length(columns.x, point.p_m.x()) || !csv.length(columns.y, point.p_m.y())) return false;
+  if (columns.z >= 0 && !csv.field(columns.z).empty() && !csv.length(columns.z, point.p_m.z())) return false;
   if (columns.heading >= 0 && !csv.number_or_nan(columns.heading, point.heading_rad)) return false;
   if (std::abs(point.heading_rad) > 2 * M_PI + 1e-6)
     return csv.fail_at(columns.heading, fmt::format("heading_rad is {}", exact(point.heading_rad)),

@@ -66,6 +66,9 @@ class TumReader {
         return note(at + 1, in_quotes(word), commas ? kExpected : "a finite number",
                     commas ? "no commas" : "");
       }
+      const bool is_length = count >= 1 && count <= 3;
+      if (is_length && std::abs(values[count]) > kLargestLength_m)
+        return note(at + 1, in_quotes(word), kExpectedLength);
       ++count;
       at = stop;
     }

@@ -361,6 +361,11 @@ bool CsvReader::number(int column, double& value) {
   return not_a_number(column, "a finite number");
 }
 
+bool CsvReader::length(int column, double& metres) {
+  if (!number(column, metres)) return false;
+  return std::abs(metres) <= kLargestLength_m || not_a_number(column, kExpectedLength);
+}
+
 bool CsvReader::integer(int column, std::int64_t& value) {
   if (parse_integer(field(column), value)) return true;
   return not_a_number(column, "a whole number");

@@ -69,6 +69,8 @@ class CsvReader {
   bool number_or_nan(int column, double& value);
   /// A finite number.
   bool number(int column, double& value);
+  /// The same in metres, no more than kLargestLength_m.
+  bool length(int column, double& metres);
   /// A whole number; "7.0" counts as one.
   bool integer(int column, std::int64_t& value);
 

@@ -152,7 +152,7 @@ inline bool TofChunkParser::settle(const Row& row, Arrival& arrival, TofChunk& o
   arrival.amplitude_v = usable_amplitude(arrival.amplitude_v);
   arrival.line = out.lines;
   ++out.rows;
-  if (!(arrival.tof_s > 0.0) || std::isinf(arrival.tof_s)) {
+  if (!(arrival.tof_s > 0.0) || arrival.tof_s > kLargestTof_s) {
     const std::string_view text = trimmed(row.tof.data(), row.tof.data() + row.tof.size());
     const Refusal refusal = refusal_of(text, arrival.tof_s, clock_);
     if (refusal == Refusal::kNone) return true;

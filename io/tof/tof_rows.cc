@@ -11,8 +11,12 @@
 namespace octant::io {
 namespace {
 
-constexpr std::array<const char*, 5> kReasons = {"", "tof_s is empty", "tof_s is not a number",
-                                                 "tof_s is not positive", kRepeatedRow};
+constexpr std::array<const char*, 6> kReasons = {"",
+                                                 "tof_s is empty",
+                                                 "tof_s is not a number",
+                                                 "tof_s is not positive",
+                                                 "tof_s is impossibly large",
+                                                 kRepeatedRow};
 
 /// Amplitude of the row. Level only where there is no amplitude.
 bool read_amplitude(CsvReader& csv, const TofColumns& columns, double& amplitude_v) {

@@ -46,11 +46,15 @@ struct TofColumns {
 }
 
 /// Why a row is no measurement.
-enum class Refusal { kNone, kEmpty, kNotANumber, kNotPositive, kRepeated };
+enum class Refusal { kNone, kEmpty, kNotANumber, kNotPositive, kTooLarge, kRepeated };
+/// Beyond three hundred years (in metres: the solar system) a number is a fault of a driver, whose square may
+/// be none any more. A unit taken for another is nowhere near it, and is told as such.
+inline constexpr double kLargestTof_s = 1e10;
 /// Negative times are legal where the receiver's clock has an unknown offset.
 [[nodiscard]] inline Refusal refusal_of(std::string_view text, double tof_s, Clock clock) {
   if (text.empty()) return Refusal::kEmpty;
   if (!std::isfinite(tof_s)) return Refusal::kNotANumber;
+  if (std::abs(tof_s) > kLargestTof_s) return Refusal::kTooLarge;
   return tof_s > 0.0 || clock == Clock::kCycleOffset ? Refusal::kNone : Refusal::kNotPositive;
 }
 
@@ -70,7 +74,7 @@ class TofRefusals {
     std::size_t count = 0;
   };
   std::vector<RejectedRow> rows_;
-  std::array<CountOfKind, 5> counts_;
+  std::array<CountOfKind, 6> counts_;
 };
 
 /// Reads the current row; false after logging an error.

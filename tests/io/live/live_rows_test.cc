@@ -108,9 +108,13 @@ TEST(LiveRows, EveryFaultHasAName) {
             "unknown receiver 'mast'");
   EXPECT_EQ(found(reader, R"({"time_s": 1, "beacon": "B0", "receiver": "rear", "tof_s": null})"),
             "tof_s is missing or no number");
+  EXPECT_EQ(found(reader, R"({"time_s": 1, "beacon": "B0", "receiver": "rear", "tof_s": 1e300})"),
+            "tof_s is impossibly large");
   EXPECT_EQ(found(reader, R"({"time_s": 1, "beacon": "B0", "receiver": "rear", "tof_s": 1, "epoch": 1.5})"),
             "epoch is no integer");
   EXPECT_EQ(found(reader, R"({"time_s": 1, "dx_m": 1e999})"), "not JSON");
+  EXPECT_EQ(found(reader, R"({"time_s": 1, "dy_m": 0, "dx_m": 1e160})"),
+            "dx_m, dy_m or dz_m is impossibly large");
   EXPECT_EQ(found(reader, R"({"time_s": 1, "dx_m": [1]})"), "dx_m, dy_m, dz_m or dheading_rad is no number");
 }
 

@@ -89,6 +89,13 @@ TEST(RunFolder, CountsArrivalsThatAreNoMeasurement) {
   EXPECT_EQ(offset.arrivals.size(), 2u) << "negative ones are legal where the clock has an offset";
 }
 
+TEST(RunFolder, RefusesTimesThatAreImpossiblyLarge) {
+  const auto log = read_tof(kPlain + "1,B0,0.01\n1,B0,1e160\n1,B1,1e300\n1,B1,0.02\n").value();
+  EXPECT_EQ(log.arrivals.size(), 2u);
+  EXPECT_THAT(log.warnings,
+              ElementsAre(HasSubstr("tof.csv:3: tof_s is impossibly large (1e160); 2 arrivals")));
+}
+
 TEST(RunFolder, RowsThatStandThereTwiceCountOnce) {
   const auto log = read_tof(kPlain + "1,B0,0.01\n1,B1,0.02\n1,B0,0.01\n2,B0,0.01\n2,B0,0.01\n").value();
   EXPECT_EQ(log.rows, 5u);
@@ -201,6 +208,9 @@ TEST(RunFolder, SaysWhatIsWrongWithTheOtherFiles) {
        1,
        "both a quaternion"},
       {{"odometry.csv", "time_s,dx_m,dy_m,qx,qy,qz,qw\n1,0,0,0,0,0,0\n"}, 2, "a quaternion of no length"},
+      {{"odometry.csv", "time_s,dx_m,dy_m,dheading_rad\n1,0,0,0\n2,1e160,0,0\n"},
+       3,
+       "dx_m is '1e160'; expected metres"},
       {{"scans.csv", scans + ",range2_m\n"}, 1, "'range1_m' is missing"},
       {{"scans.csv", scans + "\n1,0,0,x\n"}, 2, "range0_m is 'x'"},
       {{"scans.csv", "time_s,angle_min_rad,angle_increment_rad\n"}, 1, "range0_m"},

@@ -58,6 +58,7 @@ TEST(RunPoints, SayWhatIsWrongAndWhere) {
   expect_error(points("epoch,x_m,y_m\n7,1,2\n7,1,3\n"), 3, "a second time", "points.csv");
   expect_error(points("epoch,x_m,y_m\n7,one,2\n"), 2, "'one'", "points.csv");
   expect_error(points("epoch,x_m,y_m,sigma_m\n7,1,2,-1\n"), 2, "sigma_m is -1", "points.csv");
+  expect_error(points("epoch,x_m,y_m\n7,1e160,2\n"), 2, "x_m is '1e160'; expected metres", "points.csv");
   expect_error(points("epoch,x_m,y_m,heading_rad\n7,1,2,90\n"), 2, "heading_rad is 90", "points.csv");
   expect_error(read_with("time_s,beacon,tof_s\n1,B0,0.01\n", "points.csv", "epoch,x_m,y_m\n7,1,2\n"), 0,
                "without any", "points.csv");

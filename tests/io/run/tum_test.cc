@@ -29,6 +29,7 @@ TEST(Tum, SaysWhatIsWrongAndWhere) {
   expect_error(parse("1 0 0 0 0 0 0 0\n"), 1, "quaternion of no length");
   expect_error(parse("1 0 nan 0 0 0 0 1\n"), 1, "'nan'; expected a finite number");
   expect_error(parse("1 x 0 0 0 0 0 1\n"), 1, "p.tum:1:3: 'x'");
+  expect_error(parse("1 0 -1e160 0 0 0 0 1\n"), 1, "p.tum:1:5: '-1e160'; expected metres, at most 1e9");
   expect_error(parse("1,0,0,0,0,0,0,1\n"), 1, "no commas");
   expect_error(parse("1 0 0 0 0 0 0 1\n\xFF\n"), 2, "0xFF");
 }

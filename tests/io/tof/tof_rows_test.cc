@@ -39,6 +39,9 @@ TEST(TofRows, TimesThatAreNoMeasurementHaveAReason) {
     EXPECT_EQ(refusal_of("nan", kNan, clock), kNotANumber);
     EXPECT_EQ(refusal_of("inf", kInf, clock), kNotANumber);
     EXPECT_EQ(refusal_of("1", 1.0, clock), kNone);
+    EXPECT_EQ(refusal_of("39437131", 39437131.0, clock), kNone) << "nanoseconds are told as such";
+    EXPECT_EQ(refusal_of("1e160", 1e160, clock), kTooLarge);
+    EXPECT_EQ(refusal_of("-1e160", -1e160, clock), kTooLarge);
   }
   EXPECT_EQ(refusal_of("0", 0.0, Clock::kSynchronised), kNotPositive);
   EXPECT_EQ(refusal_of("-1", -1.0, Clock::kSynchronised), kNotPositive);
