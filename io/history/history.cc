@@ -165,6 +165,7 @@ const char* to_string(VisitKind kind) {
 
 struct History::Content {
   SqlDatabase database;
+  [[nodiscard]] Result<std::vector<Addition>> add(const std::vector<Visit>& visits);
 };
 
 History::History(std::unique_ptr<Content> content) : content_(std::move(content)) {}
@@ -175,16 +176,30 @@ History::~History() = default;
 Result<History> History::open(const std::string& path, bool create) {
   auto database = SqlDatabase::open(path, create);
   if (!database) return fail(database.error());
-  if (auto ready = migrate(*database); !ready) return fail(ready.error());
+  if (auto ready = migrate(*database); !ready) {
+    database->store().give_up();
+    return fail(ready.error());
+  }
   return History(std::make_unique<Content>(Content{std::move(*database)}));
 }
 
 Result<std::vector<Addition>> History::add(const std::vector<Visit>& visits) {
+  auto additions = content_->add(visits);
+  SqlStore& store = content_->database.store();
+  if (!additions) {
+    store.give_up();
+  } else if (auto kept = store.keep(); !kept) {
+    return fail(kept.error());
+  }
+  return additions;
+}
+
+Result<std::vector<Addition>> History::Content::add(const std::vector<Visit>& visits) {
   std::vector<Addition> additions;
-  auto transaction = SqlTransaction::begin(content_->database);
+  auto transaction = SqlTransaction::begin(database);
   if (!transaction) return fail(transaction.error());
   {
-    auto writer = VisitWriter::prepare(content_->database);
+    auto writer = VisitWriter::prepare(database);
     if (!writer) return fail(writer.error());
     for (const Visit& visit : visits) {
       const auto added = writer->add(visit);

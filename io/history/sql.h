@@ -56,13 +56,18 @@ class SqlStore {
   [[nodiscard]] virtual Result<void> set_version(std::int64_t version) = 0;
   /// Type of a column whose numbers the store gives, from 1.
   [[nodiscard]] virtual std::string identity() const = 0;
+  /// What was to be put in did not go in: a store that was made for it goes with this object if it is empty.
+  virtual void give_up() {}
+  /// It is in. Error: somebody has taken the store away meanwhile.
+  [[nodiscard]] virtual Result<void> keep() { return {}; }
   /// As it is named in messages, without passwords.
   [[nodiscard]] virtual std::string name() const = 0;
 };
 
 /// One SQLite file in write-ahead-log mode: readers never wait for a writer, writers wait for each other for
 /// up to kPatience_s. What a process leaves when it dies is taken back or carried through by whoever opens
-/// the file next. Errors: missing (unless it may be created), no database, no place to write, held by others.
+/// the file next. A full disk leaves no file that was made in vain (give_up()). Errors: missing (unless it
+/// may be created), no database, no place to write, held by others.
 [[nodiscard]] Result<std::unique_ptr<SqlStore>> open_sqlite(const std::string& path, bool create);
 /// The tables of a PostgreSQL database, in the first schema of its search path; writers take turns by an
 /// advisory lock. Errors: no connection; this Octant was built without.

@@ -17,6 +17,7 @@ using SqlClock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kPatience{kPatience_s};
 /// "Octa" in the file's head: tells a history from the databases of other programs.
 constexpr std::int64_t kApplicationId = 0x4F637461;
+constexpr std::uintmax_t kPage = 4096;  ///< of a file that is made here
 
 tl::unexpected<Error> sql_failure(const std::string& path, int code, const std::string& words) {
   switch (code & 0xFF) {
@@ -92,8 +93,12 @@ class SqliteRows final : public SqlRows {
 
 class SqliteStore final : public SqlStore {
  public:
-  SqliteStore(sqlite3* db, std::string path) : db_(db), path_(std::move(path)) {}
-  ~SqliteStore() override { sqlite3_close_v2(db_); }
+  /// @param made  there was no such file before
+  SqliteStore(sqlite3* db, std::string path, bool made) : db_(db), path_(std::move(path)), made_(made) {}
+  ~SqliteStore() override {
+    if (made_ && given_up_) remove_unless_used();
+    sqlite3_close_v2(db_);
+  }
   SqliteStore(const SqliteStore&) = delete;
   SqliteStore& operator=(const SqliteStore&) = delete;
 
@@ -122,6 +127,17 @@ class SqliteStore final : public SqlStore {
   Result<void> set_version(std::int64_t version) override {
     return run(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}", kApplicationId, version));
   }
+  void give_up() override { given_up_ = true; }
+  Result<void> keep() override {
+    given_up_ = false;
+    made_ = false;
+    std::error_code ignored;
+    if (std::filesystem::exists(path_, ignored)) return {};
+    return fail({.code = Errc::kOutput,
+                 .file = path_,
+                 .found = "not written: somebody removed the file while it was written to",
+                 .advice = "add it once more"});
+  }
   std::string identity() const override { return "INTEGER PRIMARY KEY"; }
   std::string name() const override { return path_; }
 
@@ -137,8 +153,27 @@ class SqliteStore final : public SqlStore {
     return *row ? (*rows)->integer(0) : 0;
   }
 
+  /// As the only writer, where that can be had: another program may have added to the file meanwhile. Whoever
+  /// waits for its turn finds by keep() that the file is gone.
+  void remove_unless_used() {
+    const bool alone = begin().has_value();
+    const auto tables = number("SELECT count(*) FROM sqlite_master");
+    const auto rows = tables && *tables > 0 ? number("SELECT count(*) FROM visit") : tables;
+    std::error_code ignored;
+    const auto bytes = [&](const char* part) {
+      const auto size = std::filesystem::file_size(path_ + part, ignored);
+      return ignored ? 0 : size;
+    };
+    // Where a full disk does not even let it be read, one page holds no table.
+    const bool unused = rows ? *rows == 0 : bytes("") <= kPage && bytes("-wal") == 0;
+    for (const char* part : {"-wal", "-shm", "-journal", ""})
+      if (unused) std::filesystem::remove(path_ + part, ignored);
+    if (alone) (void)run("ROLLBACK");
+  }
+
   sqlite3* db_;
   std::string path_;
+  bool made_, given_up_ = false;
 };
 
 }  // namespace
@@ -152,10 +187,11 @@ Result<std::unique_ptr<SqlStore>> open_sqlite(const std::string& path, bool crea
                  .found = "there is no such file",
                  .expected = "a history",
                  .advice = "octant history add DEPLOYMENT.json makes one; --db names it"});
+  const bool made = !std::filesystem::exists(path, ignored);
   sqlite3* db = nullptr;
   const int flags = SQLITE_OPEN_READWRITE | (create ? SQLITE_OPEN_CREATE : 0);
   const int code = sqlite3_open_v2(path.c_str(), &db, flags, nullptr);
-  auto store = std::make_unique<SqliteStore>(db, path);  // closes it, whatever comes
+  auto store = std::make_unique<SqliteStore>(db, path, made);  // closes it, whatever comes
   if (code != SQLITE_OK) return sql_failure(path, code, db != nullptr ? sqlite3_errmsg(db) : "out of memory");
   sqlite3_extended_result_codes(db, 1);
   sqlite3_busy_timeout(db, static_cast<int>(std::chrono::milliseconds(kPatience).count()));
@@ -168,7 +204,10 @@ Result<std::unique_ptr<SqlStore>> open_sqlite(const std::string& path, bool crea
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     ready = store->run("PRAGMA journal_mode = WAL");
   }
-  if (!ready) return fail(ready.error());
+  if (!ready) {
+    store->give_up();
+    return fail(ready.error());
+  }
   // Every commit is on the disk before it is told: what was added stays, whatever happens to the machine.
   if (auto set = store->run("PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON"); !set)
     return fail(set.error());

@@ -4,7 +4,10 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
+
+#include <csignal>
 
 #include <nlohmann/json.hpp>
 
@@ -218,6 +221,63 @@ TEST(History, AnAdditionIsWholeOrNothing) {
   EXPECT_FALSE(history->add({visit_on(1), broken}));
   EXPECT_EQ(history->list()->size(), 0u);
   EXPECT_TRUE(history->add({visit_on(1)})) << "and the next goes through";
+}
+
+/// As a full disk does, for what this process writes.
+class NoFileBeyond {
+ public:
+  explicit NoFileBeyond(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~NoFileBeyond() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  NoFileBeyond(const NoFileBeyond&) = delete;
+  NoFileBeyond& operator=(const NoFileBeyond&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST(History, AFullDiskLeavesNoneThatWasMadeInVain) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("h.db");
+  int failures = 0;
+  for (rlim_t room = 512; room < 200'000; room *= 2) {
+    bool added = false;
+    {
+      const NoFileBeyond full(room);
+      auto history = History::open(path, true);
+      added = history && history->add({visit_on(1)}).has_value();
+    }
+    failures += added ? 0 : 1;
+    EXPECT_EQ(folder.files(), added ? 1u : 0u) << room;
+    std::filesystem::remove(path);
+  }
+  EXPECT_GE(failures, 5);
+}
+
+TEST(History, AFullDiskLeavesWhatWasThere) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("h.db");
+  ASSERT_TRUE(History::open(path, true)->add({visit_on(1)}));
+  {
+    const NoFileBeyond full(std::filesystem::file_size(path));
+    auto history = History::open(path, true);
+    EXPECT_FALSE(history && history->add({visit_on(2), visit_on(3), visit_on(4), visit_on(5), visit_on(6)}));
+  }
+  EXPECT_EQ(History::open(path, false)->list()->size(), 1u);
+}
+
+TEST(History, SaysThatItsFileWasRemovedMeanwhile) {
+  const TemporaryFolder folder;
+  auto history = History::open(folder.path("h.db"), true);
+  std::filesystem::remove(folder.path("h.db"));
+  expect_error(history->add({visit_on(1)}), 0, "removed", "h.db");
 }
 
 }  // namespace
