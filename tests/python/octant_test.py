@@ -83,6 +83,20 @@ def test_the_road(world, calibrated):
     assert octant.monitor(deployment, world.heldout)["action"] is False
 
 
+def test_names_what_it_was_given(world, tmp_path):
+    world.truth.write(str(tmp_path / "d.json"))
+    deployment = octant.read_deployment(str(tmp_path / "d.json"))
+    world.heldout.write(str(tmp_path / "run"))
+    run = octant.read_run(tmp_path / "run", deployment)
+    assert octant.monitor(deployment, run)["deployment"]["path"] == str(tmp_path / "d.json")
+    assert octant.monitor(world.truth, run)["deployment"]["path"] == "(Deployment)"
+    assert octant.check(octant.read_site(hall("site.yaml")), run)["health"]["runs"][0]["path"] == str(tmp_path / "run")
+    run.arrivals["tof_s"] *= 1e3
+    with pytest.raises(octant.InputError, match="milliseconds") as raised:
+        octant.monitor(deployment, run)
+    assert raised.value.file == str(tmp_path / "run" / "tof.csv") and str(raised.value).startswith(raised.value.file)
+
+
 def test_the_same_as_the_command_line(calibrated):
     by_path, result = octant.calibrate(hall("site.yaml"), [hall("run")], threads=1)
     assert result["arrivals"] == calibrated[1]["arrivals"]

@@ -15,11 +15,13 @@ views, without a copy. All failures are `octant.Error` or a class of it that sta
 import contextlib as _contextlib
 import os as _os
 import tempfile as _tempfile
+import weakref as _weakref
 
 from . import _octant
-from ._octant import (Deployment, Fixes, Follower, Run, Site, World, __version__, localize, make_run, read_deployment,
-                      read_site, simulate)
+from ._octant import (Deployment, Fixes, Follower, Run, Site, World, __version__, localize, make_run, read_site,
+                      simulate)
 from .errors import (Contradicted, Error, InputError, Interrupted, NotConverged, Undetermined, UsageError)
+from .errors import raise_failure as _raise_failure
 
 __all__ = [
     "Contradicted", "Deployment", "Error", "Fixes", "Follower", "InputError", "Interrupted", "NotConverged", "Run",
@@ -28,18 +30,41 @@ __all__ = [
 ]
 
 
+_read_from = _weakref.WeakKeyDictionary()  # a Deployment's path, where it was read from one
+
+
+def _own_name(thing):
+    """What the caller calls an object: the path it was read from, else what it is."""
+    path = _read_from.get(thing, "") if isinstance(thing, Deployment) else thing.path
+    return path or f"({type(thing).__name__})"
+
+
+def _renamed(value, names):
+    """The same with other names in all its texts."""
+    if isinstance(value, str):
+        for written, own in names.items():
+            value = value.replace(written, own)
+        return value
+    if isinstance(value, dict):
+        return {key: _renamed(one, names) for key, one in value.items()}
+    if isinstance(value, list):
+        return [_renamed(one, names) for one in value]
+    return value
+
+
 @_contextlib.contextmanager
 def _paths(*things):
-    """Paths of what may be given as paths or as objects; objects are written for as long as it takes."""
+    """(Paths of what may be given as paths or as objects, rename(result)).
+
+    Objects are written for as long as it takes; results and exceptions name them as the caller does.
+    """
     with _tempfile.TemporaryDirectory(prefix="octant-") as folder:
-        count = 0
+        names = {}
 
         def path_of(thing):
-            nonlocal count
             if isinstance(thing, (str, _os.PathLike)):
                 return _os.fspath(thing)
-            count += 1
-            path = _os.path.join(folder, f"{count}")
+            path = _os.path.join(folder, f"{len(names):06d}")
             if isinstance(thing, Site):
                 path += ".yaml"
                 with open(path, "w", encoding="utf-8") as file:
@@ -48,13 +73,25 @@ def _paths(*things):
                 thing.write(path)
             else:
                 raise TypeError(f"a path, Site, Run or Deployment is expected, not {type(thing).__name__}")
+            names[path] = _own_name(thing)
             return path
 
-        yield [path_of(t) if not isinstance(t, list) else [path_of(one) for one in t] for t in things]
+        paths = [path_of(t) if not isinstance(t, list) else [path_of(one) for one in t] for t in things]
+        try:
+            yield (*paths, lambda result: _renamed(result, names))
+        except Error as error:
+            _raise_failure(_renamed(error.result, names))
 
 
 def _listed(runs):
     return list(runs) if isinstance(runs, (list, tuple)) else [runs]
+
+
+def read_deployment(path):
+    """A Deployment of its file."""
+    deployment = _octant.read_deployment(_os.fspath(path))
+    _read_from[deployment] = _os.fspath(path)
+    return deployment
 
 
 def read_run(folder, names, truth=False):
@@ -64,8 +101,8 @@ def read_run(folder, names, truth=False):
 
 def check(site, runs, strict=False, threads=0):
     """What recordings are worth: their health, and what they can and cannot determine. A dict as of `octant check --json`."""
-    with _paths(site, _listed(runs)) as (path, folders):
-        return _octant.check(path, folders, strict, threads)
+    with _paths(site, _listed(runs)) as (path, folders, rename):
+        return rename(_octant.check(path, folders, strict, threads))
 
 
 def calibrate(site, runs, strict=False, accept=False, threads=0):
@@ -73,23 +110,24 @@ def calibrate(site, runs, strict=False, accept=False, threads=0):
 
     Raises Undetermined where the data cannot tell, Contradicted where they contradict the site (unless `accept`).
     """
-    with _paths(site, _listed(runs)) as (path, folders):
-        return _octant.calibrate(path, folders, strict, accept, threads)
+    with _paths(site, _listed(runs)) as (path, folders, rename):
+        deployment, result = _octant.calibrate(path, folders, strict, accept, threads)
+        return deployment, rename(result)
 
 
 def verify(deployment, runs, method="auto", threads=0):
     """Fixes of recordings with a reference against it: a dict as of `octant verify --json`."""
-    with _paths(deployment, _listed(runs)) as (path, folders):
-        return _octant.verify(path, folders, method, threads)
+    with _paths(deployment, _listed(runs)) as (path, folders, rename):
+        return rename(_octant.verify(path, folders, method, threads))
 
 
 def survey(site_or_deployment, scene="", bins=0, failures=2, threads=0):
     """What a geometry is worth: a dict as of `octant survey --json`. `bins`: the maps too, that many along the longer side."""
-    with _paths(site_or_deployment) as (path,):
-        return _octant.survey(path, _os.fspath(scene), bins, failures, threads)
+    with _paths(site_or_deployment) as (path, rename):
+        return rename(_octant.survey(path, _os.fspath(scene), bins, failures, threads))
 
 
 def monitor(deployment, runs, threads=0):
     """Whether the calibration still holds: a dict as of `octant monitor --json`; `action`: somebody has to do something."""
-    with _paths(deployment, _listed(runs)) as (path, folders):
-        return _octant.monitor(path, folders, threads)
+    with _paths(deployment, _listed(runs)) as (path, folders, rename):
+        return rename(_octant.monitor(path, folders, threads))
