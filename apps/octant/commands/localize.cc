@@ -10,6 +10,7 @@
 #include "apps/octant/interrupt.h"
 #include "apps/octant/live/follow.h"
 #include "apps/octant/outputs.h"
+#include "apps/octant/steps/doubts.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/steps/trusted.h"
 #include "apps/octant/text/paragraph.h"
@@ -39,9 +40,18 @@ Result<void> write_outputs(const LocalizeArgs& args, const Deployment& deploymen
   return written;
 }
 
+void warn_of_no_fix(const Deployment& deployment, const std::vector<MeasurementLog>& runs, Session& session) {
+  bool told = false;
+  for (const MeasurementLog& run : runs)
+    for (const std::string& doubt : doubts_about(deployment, run)) {
+      session.warn(fmt::format("there is not a single fix; {}: {}", run.path, doubt));
+      told = true;
+    }
+  if (!told) session.warn("there is not a single fix; is this the right deployment for the run?");
+}
+
 void warn_of_fixes(const LocalizeArgs& args, const Localization& found, Session& session) {
   const std::vector<Fix>& fixes = found.fixes;
-  if (found.ok == 0) session.warn("there is not a single fix; is this the right deployment for the run?");
   const auto another = [&](const Fix& fix) { return fix.vehicle != fixes.front().vehicle; };
   if (args.output != "-" && std::any_of(fixes.begin(), fixes.end(), another))
     session.warn("TUM names no vehicle, and there are fixes of several: tell them apart by --csv");
@@ -98,6 +108,7 @@ int run(const LocalizeArgs& args, Session& session) {
   if (!located) return session.fail(located.error());
   const Localization& found = *located;
   if (interrupted()) return session.interrupted();
+  if (found.ok == 0) warn_of_no_fix(*deployment, *runs, session);
   warn_of_fixes(args, found, session);
   warn_outside_validity(*deployment, *runs, found, session);
   if (auto written = write_outputs(args, *deployment, found.fixes); !written)

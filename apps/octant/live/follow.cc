@@ -19,6 +19,7 @@
 #include "apps/octant/interrupt.h"
 #include "apps/octant/live/byte_source.h"
 #include "apps/octant/options.h"
+#include "apps/octant/steps/doubts.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/steps/trusted.h"
 #include "apps/octant/text/validity_words.h"
@@ -107,6 +108,7 @@ class FollowLoop {
       if (quiet_ms_ > 0) engine_->follower.flush_pings();
       if (quiet_ms_ == kQuietEpoch_ms || event == Event::kEnd || event == Event::kFailed)
         engine_->follower.flush();
+      if (event == Event::kEnd) doubt_what_came();
       if (!write_out()) return fail({.code = Errc::kOutput, .found = "standard output could not be written"});
       if (event == Event::kFailed)
         return fail({.code = Errc::kBadInput, .file = args_.from, .found = source.why()});
@@ -223,16 +225,29 @@ class FollowLoop {
     const auto row = engine_->reader.row(text);
     if (!row) return bad_.add(row.error().message(), lines_, session_);
     if (const auto* arrival = std::get_if<Arrival>(&*row)) {
+      if (!doubted_) first_.arrivals.push_back(*arrival);
+      if (first_.arrivals.size() == kFirstArrivals) doubt_what_came();
       if (speed_) follow_speed(*arrival);
       if (speed_) speed_->hear(*arrival);
       engine_->follower.hear(*arrival);
     } else if (const auto* step = std::get_if<OdometryStep>(&*row)) {
+      if (first_.odometry.empty()) first_.odometry.push_back(*step);
       if (speed_) speed_->move(*step);
       engine_->follower.move(*step);
     } else if (std::holds_alternative<io::LiveFlush>(*row)) {
       engine_->follower.flush();
     }
     if (out_.size() > kMostWaiting) (void)write_out();
+  }
+
+  /// Once: where the first rows have not given a single fix, what may be wrong with them.
+  void doubt_what_came() {
+    if (doubted_) return;
+    doubted_ = true;
+    if (counts_.fixes + engine_->follower.counts().fixes == 0)
+      for (const std::string& doubt : doubts_about(engine_->follower.deployment(), first_))
+        session_.warn("not a single fix so far: " + doubt);
+    first_ = {};
   }
 
   /// A reader that is slow makes us wait, and with us whoever sends.
@@ -259,7 +274,7 @@ class FollowLoop {
     return {};
   }
 
-  static constexpr std::size_t kMostWaiting = 1 << 16;
+  static constexpr std::size_t kMostWaiting = 1 << 16, kFirstArrivals = 300;
   const FollowArgs& args_;
   std::string deployment_, trusted_key_;
   FollowOptions options_;
@@ -271,6 +286,8 @@ class FollowLoop {
   Arrival last_;
   io::LineCutter cutter_;
   BadLines bad_;
+  MeasurementLog first_;  ///< rows, until they have been looked at
+  bool doubted_ = false;
   FollowCounts counts_;
   std::size_t lines_ = 0;
   int quiet_ms_ = 0;

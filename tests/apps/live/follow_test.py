@@ -201,6 +201,21 @@ class Streams(unittest.TestCase):
         self.assertIn("a line of more than 65536 bytes", err)
         self.assertLess(len(err), 20000)
 
+    def test_says_what_may_be_wrong_where_nothing_gives_a_fix(self):
+        def changed(change):
+            return "".join(json.dumps(change(json.loads(line))) + "\n" for line in LINES).encode()
+
+        for change, words in (
+                (lambda row: row | {"tof_s": 1e3 * row["tof_s"]}, "looks like milliseconds"),
+                (lambda row: row | {"tof_s": 1e6 * row["tof_s"]}, "looks like microseconds"),
+                (lambda row: {key: row[key] for key in row if key != "epoch"}, "no epoch, and no two beacons"),
+                (lambda row: row | {"epoch": 7}, "all have epoch 7: an epoch is one stop")):
+            code, _, err = whole(changed(change))
+            self.assertEqual(code, 0, err)
+            self.assertEqual(err.count("not a single fix so far"), 1, err)
+            self.assertIn(words, err)
+        self.assertNotIn("not a single fix", whole(STREAM)[2])
+
     def test_random_bytes_alone(self):
         code, out, _ = whole(random.Random(1).randbytes(3 << 20))
         self.assertEqual((code, out), (0, ""))

@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "models/deployment.h"
+#include "models/run.h"
+
+namespace octant::app {
+
+/// Why arrivals may give no fix at all, a sentence each: tof_s in another unit than seconds (as calibrate and
+/// monitor judge it); rows without an epoch of which no two beacons' come together; one epoch for all.
+/// @param rows  of a recording, or the first ones of a stream
+[[nodiscard]] std::vector<std::string> doubts_about(const Deployment& deployment, const MeasurementLog& rows);
+
+}  // namespace octant::app
