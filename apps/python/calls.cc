@@ -109,6 +109,8 @@ py::object verify(const std::string& path, const std::vector<std::string>& runs,
     if (!located) return session.fail(located.error());
     const auto evaluation = app::verify_fixes(*deployment, *read, *located);
     if (!evaluation) return session.fail(evaluation.error());
+    if (const std::string doubt = app::doubt_of_sigmas(*evaluation, deployment->motion); !doubt.empty())
+      session.warn(doubt);
     return session.finish(app::evaluation_json(*evaluation));
   });
 }

@@ -2,10 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The road from a recording to a position, walked with the program as a process.
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -155,6 +157,27 @@ TEST_F(Road, LocalizeAndVerify) {
   EXPECT_LT(verdict["position_rmse_m"].get<double>(), 0.01);
   EXPECT_EQ(verdict["gates"][0]["name"], "fix_m");
   EXPECT_EQ(verdict["gates"][0]["pass"], true);
+}
+
+TEST_F(Road, VerifySaysThatSigmasDoNotHold) {
+  ASSERT_EQ(calibrate().exit, 0);
+  EXPECT_THAT(octant({"verify", out("d.json"), hall("heldout")}).err, Not(HasSubstr("do not hold")));
+  // The reference's headings are those of a frame that is turned by 45 degrees on the vehicle.
+  std::istringstream truth(slurp(hall("heldout/truth.tum")));
+  std::string turned;
+  for (std::string line; std::getline(truth, line);) {
+    if (line.starts_with('#')) continue;
+    double t = 0, x = 0, y = 0, z = 0, qx = 0, qy = 0, qz = 0, qw = 1;
+    std::istringstream(line) >> t >> x >> y >> z >> qx >> qy >> qz >> qw;
+    const double half = std::atan2(qz, qw) + M_PI / 8;
+    turned += fmt::format("{} {} {} {} 0 0 {} {}\n", t, x, y, z, std::sin(half), std::cos(half));
+  }
+  spit(hall("heldout/truth.tum"), turned);
+  const Outcome told = octant({"verify", out("d.json"), hall("heldout"), "--json"});
+  EXPECT_EQ(told.exit, 0) << "the gate is of positions";
+  ASSERT_EQ(told.json()["warnings"].size(), 1u) << told.json()["warnings"];
+  EXPECT_THAT(told.json()["warnings"][0].get<std::string>(),
+              AllOf(HasSubstr("do not hold: NEES"), HasSubstr("(45 degrees)")));
 }
 
 TEST_F(Road, VerifyRefusesARunWithoutTruth) {

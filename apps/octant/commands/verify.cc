@@ -122,6 +122,8 @@ int run(const VerifyArgs& args, Session& session) {
   warn_outside_validity(*deployment, *runs, found, session);
   const auto evaluation = verify_fixes(*deployment, *runs, found);
   if (!evaluation) return session.fail(evaluation.error());
+  if (const std::string doubt = doubt_of_sigmas(*evaluation, deployment->motion); !doubt.empty())
+    session.warn(doubt);
 
   survey::ReportInput report = report_input(*deployment, session);
   report.kind = "Verification";

@@ -9,6 +9,7 @@
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/text/paragraph.h"
 #include "apps/octant/text/table.h"
+#include "models/changes/chi_square.h"
 
 namespace octant::app {
 
@@ -175,6 +176,24 @@ Json evaluation_json(const survey::Evaluation& e) {
           {"max_error_m", figure(e.max_error_m)},
           {"nees_mean", e.nees_mean},
           {"gates", gates}};
+}
+
+std::string doubt_of_sigmas(const survey::Evaluation& e, Motion motion) {
+  constexpr double kByChance = 1e-3;
+  if (!e.nees_mean) return "";
+  const bool planar = motion == Motion::kPlanar;
+  const int freedom = e.heading_rmse_rad ? (planar ? 3 : 6) : (planar ? 2 : 3);
+  const double limit = chi_square_beyond(kByChance, freedom) / freedom;
+  if (*e.nees_mean <= limit) return "";
+  const std::string heading = e.heading_rmse_rad
+                                  ? fmt::format(", headings by {:.3g} rad ({:.3g} degrees)",
+                                                *e.heading_rmse_rad, *e.heading_rmse_rad * 180.0 / M_PI)
+                                  : "";
+  return fmt::format(
+      "the stated sigmas of the fixes do not hold: NEES {:.3g}, where 1 is expected and chance alone stays "
+      "below {:.1f}; positions are off by {} RMS{}: do truth and map share the frame and the units, and are "
+      "the receivers where the deployment has them?",
+      *e.nees_mean, limit, length_text(e.position_rmse_m), heading);
 }
 
 Json no_fix_json(const Localization& localization) { return Json(localization.no_fix_reasons); }

@@ -148,6 +148,9 @@ struct MethodArgs {
 [[nodiscard]] Json evaluation_json(const survey::Evaluation& evaluation);
 [[nodiscard]] std::string evaluation_text(const survey::Evaluation& evaluation,
                                           const Localization& localization);
+/// That the fixes' stated sigmas do not hold: the mean NEES is beyond what it would be once in a thousand
+/// times even if all fixes shared one error (chi-square of a single fix). Empty where they may hold.
+[[nodiscard]] std::string doubt_of_sigmas(const survey::Evaluation& evaluation, Motion motion);
 /// How often there was no fix, by reason.
 [[nodiscard]] Json no_fix_json(const Localization& localization);
 /// Why no fix could be held against the reference: there was none, and for what reasons, or none where the
