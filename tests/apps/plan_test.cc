@@ -77,6 +77,16 @@ TEST_F(Plan, StopsAsTextJsonAndCsv) {
   EXPECT_EQ(object["beacons"].size(), 8U);
 }
 
+TEST_F(Plan, StopsWhereAllBeaconsAreHeldImproveNone) {
+  spit(site, std::regex_replace(slurp(site), std::regex("(position_m: \\[[^\\]]*\\], sigma_m: )[0-9.e-]+"),
+                                "$010"));
+  spit(site, std::regex_replace(slurp(site), std::regex("floor_m: .*"),
+                                "floor_m: [[-2, -2], [22, -2], [22, 14], [-2, 14]]"));
+  const Outcome held = plan({"--stations", "3", "--grid", "3"});
+  EXPECT_EQ(held.exit, 3);
+  EXPECT_THAT(held.err, HasSubstr("all 8 beacons are control points (sigma_m: 0)"));
+}
+
 TEST_F(Plan, StopsAfterARecordingAndAfterADeployment) {
   const auto after_run = plan({box / "hall/run", "--stations", "2", "--grid", "3", "--json"});
   ASSERT_EQ(after_run.exit, 0) << after_run.out;

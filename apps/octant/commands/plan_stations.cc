@@ -102,6 +102,29 @@ Json known_json(const calib::BeaconKnowledge& k, const std::vector<std::string>&
           {"worst_beacon", names.empty() ? Json(nullptr) : Json(names[k.worst_beacon])}};
 }
 
+/// An error where no beacon's position is asked for: no stop could improve any.
+Result<void> check_something_is_asked_for(const PlanArgs& args, const SurveyInput& input) {
+  bool all_held = true;
+  std::size_t beacons = 0;
+  if (input.site) {
+    for (const SiteBeacon& b : input.site->beacons) all_held = all_held && b.is_control_point();
+    beacons = input.site->beacons.size();
+  } else {
+    for (const DeploymentBeacon& b : input.deployment->beacons)
+      all_held = all_held && b.status == BeaconStatus::kControlPoint;
+    beacons = input.deployment->beacons.size();
+  }
+  if (!all_held) return {};
+  return fail(
+      {.file = args.input,
+       .found = fmt::format("all {} beacons are control points (sigma_m: 0): their positions are held, "
+                            "and no stop can tell them better",
+                            beacons),
+       .expected = "at least one beacon whose position is to be calibrated",
+       .advice = "state how far off their positions may be as sigma_m; where they are exact, nothing "
+                 "but delays and the speed is left, and stops anywhere among the beacons tell those"});
+}
+
 std::string heard_words(const calib::Station& s, const std::vector<std::string>& names) {
   std::string heard;
   for (std::size_t b = 0; b < names.size(); ++b)
@@ -199,6 +222,7 @@ int plan_stations(const PlanArgs& args, Session& session) {
   auto input = read_survey_input(args.input, args.scene, args.vehicle, {}, session,
                                  args.runs.empty() ? BeaconPlaces::kStated : BeaconPlaces::kRecorded);
   if (!input) return session.fail(input.error());
+  if (auto ok = check_something_is_asked_for(args, *input); !ok) return session.fail(ok.error());
   auto before = known_before(args, *input, session);
   if (!before && before.error().code == Errc::kInterrupted) return session.interrupted();
   if (!before) return session.fail(before.error());
