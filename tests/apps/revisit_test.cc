@@ -156,6 +156,30 @@ TEST_F(SecondVisit, AnUnchangedDeploymentDiffersInNothing) {
   EXPECT_TRUE(same.json()["changes"].empty());
 }
 
+TEST_F(SecondVisit, ADeploymentOfAnotherSiteIsAskedAfter) {
+  auto other = io::read_deployment(out("d.json")).value();
+  // Turned and shifted as a whole, it is the same site.
+  const Eigen::AngleAxisd turn(0.5, Eigen::Vector3d::UnitZ());
+  for (auto& b : other.beacons) b.position_m = turn * b.position_m + Eigen::Vector3d(30, -7, 0);
+  ASSERT_TRUE(io::write_deployment(out("turned.json"), other));
+  EXPECT_TRUE(octant({"diff", out("d.json"), out("turned.json"), "--json"}).json()["warnings"].empty());
+  other.site = "barn";
+  for (std::size_t i = 0; i < other.beacons.size(); ++i)
+    other.beacons[i].position_m.x() *= 0.3 + 0.2 * static_cast<double>(i);
+  ASSERT_TRUE(io::write_deployment(out("barn.json"), other));
+  const Outcome told = octant({"diff", out("d.json"), out("barn.json"), "--json"});
+  EXPECT_EQ(told.exit, 0);
+  ASSERT_EQ(told.json()["warnings"].size(), 2u);
+  EXPECT_THAT(told.json()["warnings"][0].get<std::string>(),
+              HasSubstr("deployments of 'hall' and of 'barn'"));
+  EXPECT_THAT(told.json()["warnings"][1].get<std::string>(), HasSubstr("are these two sites"));
+  for (auto& b : other.beacons) b.name += "x";
+  ASSERT_TRUE(io::write_deployment(out("barn.json"), other));
+  const Outcome none = octant({"diff", out("d.json"), out("barn.json")});
+  EXPECT_EQ(none.exit, 3);
+  EXPECT_THAT(none.err, HasSubstr("no beacon in common with"));
+}
+
 /// Killed at any moment: the old deployment is as it was, the new one whole or not there.
 class KilledRecalibrations : public SecondVisit {
  protected:

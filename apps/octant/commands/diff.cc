@@ -1,6 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cmath>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -32,6 +36,48 @@ Json rows_json(const survey::Changes& changes) {
   return rows;
 }
 
+/// Positions of the beacons that both determined, side by side.
+std::vector<std::array<Eigen::Vector3d, 2>> common_places(const Deployment& before, const Deployment& now) {
+  std::vector<std::array<Eigen::Vector3d, 2>> places;
+  for (const DeploymentBeacon& a : before.beacons)
+    for (const DeploymentBeacon& b : now.beacons)
+      if (a.name == b.name && a.status != BeaconStatus::kUndetermined &&
+          b.status != BeaconStatus::kUndetermined)
+        places.push_back({a.position_m, b.position_m});
+  return places;
+}
+
+/// Share of the distances between beacons, which no frame changes, that are still the same to some
+/// centimetres and per cent; no value for fewer than three beacons. Two sites of one size agree by chance in
+/// one of twenty, a site of which half of the beacons were moved in one of five.
+std::optional<double> share_of_same_distances(const std::vector<std::array<Eigen::Vector3d, 2>>& places) {
+  constexpr double kSame_m = 0.05, kSame = 0.02;
+  std::size_t pairs = 0, same = 0;
+  for (std::size_t i = 0; i < places.size(); ++i)
+    for (std::size_t j = i + 1; j < places.size(); ++j) {
+      const double was = (places[i][0] - places[j][0]).norm(), is = (places[i][1] - places[j][1]).norm();
+      same += std::abs(is - was) <= kSame_m + kSame * std::max(is, was) ? 1 : 0;
+      ++pairs;
+    }
+  if (places.size() < 3) return std::nullopt;
+  return static_cast<double>(same) / static_cast<double>(pairs);
+}
+
+/// Two sites compared give a table of differences that mean nothing.
+void warn_of_two_sites(const Deployment& before, const Deployment& now, Session& session) {
+  constexpr double kTwoSites = 0.25;
+  if (before.site != now.site)
+    session.warn(
+        fmt::format("these are deployments of '{}' and of '{}': are they one site?", before.site, now.site));
+  const auto share = share_of_same_distances(common_places(before, now));
+  if (share && *share < kTwoSites)
+    session.warn(
+        fmt::format("{:.0f} % of the distances between beacons of the same name are the same: are these two "
+                    "sites, or do "
+                    "half of the beacons stand elsewhere now?",
+                    100 * *share));
+}
+
 int run(const DiffArgs& args, Session& session) {
   const auto before = io::read_deployment(args.before);
   if (!before) return session.fail(before.error());
@@ -42,8 +88,9 @@ int run(const DiffArgs& args, Session& session) {
   if (changes.beacons.empty())
     return session.fail(Error{.code = Errc::kBadInput,
                               .file = args.now,
-                              .found = "no beacon that " + args.before + " has too",
+                              .found = "no beacon in common with " + args.before,
                               .expected = "two deployments of one site"});
+  warn_of_two_sites(*before, *now, session);
   session.result(changes_text(changes));
   return session.finish({{"since", changes.since},
                          {"derived", is_derived(*now, *before)},
