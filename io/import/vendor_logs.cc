@@ -120,7 +120,7 @@ std::optional<double> logged_day_s(int year, unsigned month, unsigned day) {
   const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(month),
                                          std::chrono::day(day)};
   if (!date.ok()) return std::nullopt;
-  return kLoggedDay_s * std::chrono::sys_days(date).time_since_epoch().count();
+  return kLoggedDay_s * static_cast<double>(std::chrono::sys_days(date).time_since_epoch().count());
 }
 
 /// hh:mm:ss or hh:mm:ss.sss.

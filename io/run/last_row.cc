@@ -18,6 +18,9 @@ constexpr std::size_t kRowsCompared = 64;
 /// A writer that drops zeros at the end of numbers writes a last one that is shorter than n others at most
 /// once in n + 1 files.
 constexpr std::size_t kRowsThatTell = 10;
+/// A file may be larger than the memory: no more is read than this, and lines are counted in files of no more
+/// than that.
+constexpr std::size_t kEndLookedAt = std::size_t{1} << 18, kLinesCounted = std::size_t{1} << 26;
 
 using Cells = std::vector<std::string_view>;
 
@@ -35,9 +38,11 @@ Cells cells_of_row(std::string_view row, bool by_blanks) {
   }
 }
 
-/// Rows above the last one that hold something, the nearest first.
+/// Whole rows above the last one that hold something, the nearest first.
 std::vector<Cells> rows_above(std::string_view text, bool by_blanks) {
   std::vector<Cells> rows;
+  if (text.size() > kEndLookedAt)
+    text.remove_prefix(std::min(text.find('\n', text.size() - kEndLookedAt), text.size() - 1) + 1);
   while (!text.empty() && rows.size() < kRowsCompared) {
     text.remove_suffix(1);                           // the newline
     const std::size_t begin = text.rfind('\n') + 1;  // 0 where there is none
@@ -87,9 +92,12 @@ std::string why_cut(std::string_view cell, const Cells& above) {
 std::string_view without_cut_row(std::string_view text, const std::string& file,
                                  std::vector<std::string>& warnings) {
   if (text.empty() || text.back() == '\n' || text.back() == '\r') return text;
-  const std::size_t begin = text.rfind('\n') + 1;
+  const std::string_view end = text.substr(text.size() - std::min(text.size(), kEndLookedAt));
+  const std::size_t newline = end.rfind('\n');
+  if (newline == std::string_view::npos) return text;  // a header alone, or a line that is too long
+  const std::size_t begin = text.size() - end.size() + newline + 1;
   const std::string_view row = io::trimmed(text.data() + begin, text.data() + text.size());
-  if (begin == 0 || row.empty() || row.front() == '#') return text;
+  if (row.empty() || row.front() == '#') return text;
   const bool by_blanks = file.ends_with(".tum");
   const Cells last = cells_of_row(row, by_blanks);
   const std::vector<Cells> rows = rows_above(text.substr(0, begin), by_blanks);
@@ -107,18 +115,20 @@ std::string_view without_cut_row(std::string_view text, const std::string& file,
       why = why_cut(last.back(), above);
     }
   }
-  const auto line = std::count(text.begin(), text.end(), '\n') + 1;
+  std::string place = file;
+  if (text.size() <= kLinesCounted)
+    place += fmt::format(":{}", std::count(text.begin(), text.end(), '\n') + 1);
   if (why.empty()) {
     warnings.push_back(
-        fmt::format("{}:{}: the last row has no newline at its end; it is used, but if the file was cut off "
+        fmt::format("{}: the last row has no newline at its end; it is used, but if the file was cut off "
                     "there, its last number is wrong: copy the file again, or end the row with a newline",
-                    file, line));
+                    place));
     return text;
   }
   warnings.push_back(fmt::format(
-      "{}:{}: the last row is cut off: it {}, and has no newline at its end; it is left out: copy the file "
+      "{}: the last row is cut off: it {}, and has no newline at its end; it is left out: copy the file "
       "again, or delete the row",
-      file, line, why));
+      place, why));
   return text.substr(0, begin);
 }
 

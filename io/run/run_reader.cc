@@ -26,9 +26,9 @@ namespace {
 /// the reading time sooner.
 void prefer_large_pages(void* data, std::size_t bytes) {
   constexpr std::size_t kLarge = std::size_t{1} << 21;
-  const auto begin = (reinterpret_cast<std::uintptr_t>(data) + kLarge - 1) / kLarge * kLarge;
-  const auto end = (reinterpret_cast<std::uintptr_t>(data) + bytes) / kLarge * kLarge;
-  if (end > begin) (void)::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+  const auto at = reinterpret_cast<std::uintptr_t>(data);
+  const auto begin = (at + kLarge - 1) / kLarge * kLarge, end = (at + bytes) / kLarge * kLarge;
+  if (end > begin) (void)::madvise(static_cast<std::byte*>(data) + (begin - at), end - begin, MADV_HUGEPAGE);
 }
 
 }  // namespace
@@ -117,7 +117,7 @@ Result<bool> RunReader::next_arrivals(std::vector<Arrival>& block) {
 Result<bool> RunReader::append_arrivals(std::vector<Arrival>& all) {
   if (!tof_) return false;
   const std::size_t before = all.size();
-  const auto more = tof_->append(all);
+  auto more = tof_->append(all);
   if (!more) return more;
   auto refused = tof_->refusals().take();
   log_.rejected.insert(log_.rejected.end(), std::make_move_iterator(refused.begin()),

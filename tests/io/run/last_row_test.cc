@@ -58,6 +58,17 @@ TEST(LastRow, IsLeftOutWhereverItIsCut) {
                                               HasSubstr("it is used"))));
 }
 
+/// However long, and where a line never ends, which the readers refuse.
+TEST(LastRow, OfALongFileIsFoundFromItsEnd) {
+  const std::string text = log_of(40'000), whole = log_of(39'999);
+  const Kept cut = kept(text.substr(0, text.size() - 4));
+  EXPECT_EQ(cut.text, whole);
+  EXPECT_THAT(cut.warnings, ElementsAre(HasSubstr("tof.csv:40001: the last row is cut off")));
+  const std::string endless = log_of(20) + std::string(3 << 20, 'x');
+  EXPECT_EQ(kept(endless).text.size(), endless.size());
+  EXPECT_THAT(kept(endless).warnings, IsEmpty());
+}
+
 TEST(LastRow, OfATableMadeByHandIsUsed) {
   for (const char* text :
        {"epoch,x_m,y_m\n0,1.25,2.5\n1,3.1,4", "epoch,x_m,y_m\n0,1.25,2.55", "a,b\n1,\"x\n2,3\"\n3,\"y\""}) {
