@@ -40,10 +40,12 @@ Result<void> write_outputs(const LocalizeArgs& args, const Deployment& deploymen
   return written;
 }
 
-void warn_of_no_fix(const Deployment& deployment, const std::vector<MeasurementLog>& runs, Session& session) {
+void warn_of_no_fix(const Deployment& deployment, const std::vector<MeasurementLog>& runs,
+                    const Localization& found, Session& session) {
+  const bool pose_by_pose = found.method == to_string(Method::kLeastSquares);
   bool told = false;
   for (const MeasurementLog& run : runs)
-    for (const std::string& doubt : doubts_about(deployment, run)) {
+    for (const std::string& doubt : doubts_about(deployment, run, pose_by_pose)) {
       session.warn(fmt::format("there is not a single fix; {}: {}", run.path, doubt));
       told = true;
     }
@@ -108,7 +110,7 @@ int run(const LocalizeArgs& args, Session& session) {
   if (!located) return session.fail(located.error());
   const Localization& found = *located;
   if (interrupted()) return session.interrupted();
-  if (found.ok == 0) warn_of_no_fix(*deployment, *runs, session);
+  if (found.ok == 0) warn_of_no_fix(*deployment, *runs, found, session);
   warn_of_fixes(args, found, session);
   warn_outside_validity(*deployment, *runs, found, session);
   if (auto written = write_outputs(args, *deployment, found.fixes); !written)

@@ -244,8 +244,9 @@ class FollowLoop {
   void doubt_what_came() {
     if (doubted_) return;
     doubted_ = true;
+    const bool pose_by_pose = options_.method == Method::kAuto || options_.method == Method::kLeastSquares;
     if (counts_.fixes + engine_->follower.counts().fixes == 0)
-      for (const std::string& doubt : doubts_about(engine_->follower.deployment(), first_))
+      for (const std::string& doubt : doubts_about(engine_->follower.deployment(), first_, pose_by_pose))
         session_.warn("not a single fix so far: " + doubt);
     first_ = {};
   }

@@ -34,12 +34,14 @@ bool one_beacon_at_a_time(const std::vector<Arrival>& arrivals) {
 
 }  // namespace
 
-std::vector<std::string> doubts_about(const Deployment& deployment, const MeasurementLog& rows) {
+std::vector<std::string> doubts_about(const Deployment& deployment, const MeasurementLog& rows,
+                                      bool pose_by_pose) {
   std::vector<std::string> doubts;
   if (rows.arrivals.empty()) return doubts;
   const KnownParameters known = known_parameters(deployment);
   const Site site = calib::revisited_site(deployment, known, known.covariance.diagonal());
   for (const calib::Finding& finding : calib::check_units(site, rows)) doubts.push_back(finding.text);
+  if (!pose_by_pose) return doubts;
   const auto [first, last] =
       std::minmax_element(rows.arrivals.begin(), rows.arrivals.end(),
                           [](const Arrival& a, const Arrival& b) { return a.epoch < b.epoch; });
