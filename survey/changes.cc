@@ -73,16 +73,33 @@ bool names_beacon(const Changes& changes, ChangeKind kind, const std::string& na
   });
 }
 
+/// What the second visit itself found, of which a deployment keeps no directions.
+std::vector<Change> found_by_visit(const Deployment& now, const std::vector<Change>& compared,
+                                   const std::vector<BeaconChange>& beacons) {
+  std::vector<Change> found = now.previous->changes;
+  for (Change& c : found) {
+    for (const BeaconChange& b : beacons)
+      if (c.kind == ChangeKind::kBeaconMoved && b.name == c.subject) c.shift_m = b.shift_m;
+    for (const Change& again : compared)
+      if (again.kind == c.kind && again.subject == c.subject) c.shift_m = again.shift_m;
+  }
+  return found;
+}
+
 /// What is more than chance; and what a control point that was knocked may explain. It is held, so that its
 /// own delay takes up a part of what it moved, and the others' places the rest.
 void judge(const Deployment& before, const Deployment& now, const Drift& drift, Changes& changes) {
   Comparison comparison = compare(before, now, drift);
   changes.limit_p = kFalseAlarm / static_cast<double>(std::max<std::size_t>(comparison.hypotheses.size(), 1));
-  changes.found = std::move(comparison.changes);
+  const bool is_found = is_derived(now, before);
+  changes.found =
+      is_found ? found_by_visit(now, comparison.changes, changes.beacons) : std::move(comparison.changes);
   for (BeaconChange& c : changes.beacons) {
     c.significant = names_beacon(changes, ChangeKind::kBeaconMoved, c.name) ||
                     names_beacon(changes, ChangeKind::kExchanged, c.name);
-    c.delay_significant = names_beacon(changes, ChangeKind::kDelay, c.name);
+    c.delay_significant = names_beacon(changes, ChangeKind::kDelay, c.name) ||
+                          names_beacon(changes, ChangeKind::kDelay, kAllBeaconsSubject);
+    if (is_found) continue;
     const DeploymentBeacon* a = find(before, c.name);
     const DeploymentBeacon* b = find(now, c.name);
     const bool held = a->status == BeaconStatus::kControlPoint && b->status == BeaconStatus::kControlPoint &&

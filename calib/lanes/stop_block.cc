@@ -24,7 +24,7 @@ void prefetch(const void* from, std::size_t bytes) {
 }
 
 /// Arrivals over a path.
-struct SlotCount {
+struct Tally {
   std::uint32_t here = 0, stamp = 0;  ///< in an epoch, and in which
   std::uint32_t most = 0;             ///< in an epoch of the pack
   std::size_t first = 0;              ///< slot
@@ -150,15 +150,14 @@ void StopBlock::pack(const StopArrivals& arrivals) {
   std::fill(std::begin(nothing.of), std::end(nothing.of), NAN);
   std::fill(std::begin(usual.of), std::end(usual.of), t.nominal_speed_mps);
   std::vector<std::size_t> local(layout_->beacon.size(), 0);
-  std::vector<SlotCount> count;  // of the present group's paths
+  std::vector<Tally> count;  // of the present group's paths
   std::uint32_t stamp = 0;
   // Calls visit(arrival, path) for those in use of an epoch, with how many came over that path before.
   const auto for_each_used = [&](std::size_t epoch, auto&& visit) {
     ++stamp;
     for (std::size_t i = epochs_[epoch].first_arrival; i < epochs_[epoch].last_arrival; ++i) {
       if (!arrivals.used(i)) continue;
-      SlotCount& path =
-          count[local[arrivals.beacon(i)] * receivers_ + arrivals.receiver(i) - first_receiver_];
+      Tally& path = count[local[arrivals.beacon(i)] * receivers_ + arrivals.receiver(i) - first_receiver_];
       if (path.stamp != stamp) path.here = 0;
       path.stamp = stamp;
       visit(i, path);
@@ -173,11 +172,10 @@ void StopBlock::pack(const StopArrivals& arrivals) {
   for (const PackGroup& g : groups_) {
     begin_group(g);
     for (std::size_t p = g.first; p < g.last; ++p) {
-      for (SlotCount& path : count) path.most = 0;
+      for (Tally& path : count) path.most = 0;
       for (std::size_t e = p * kLanes; e < p * kLanes + epochs_in(p); ++e)
-        for_each_used(e, [](std::size_t /*arrival*/, SlotCount& path) {
-          path.most = std::max(path.most, path.here + 1);
-        });
+        for_each_used(
+            e, [](std::size_t /*arrival*/, Tally& path) { path.most = std::max(path.most, path.here + 1); });
       pack_first_.push_back(slots_.size());
       for (std::size_t r = 0; r < receivers_; ++r)
         for (std::size_t b = 0; b < g.beacons.size(); ++b)
@@ -196,7 +194,7 @@ void StopBlock::pack(const StopArrivals& arrivals) {
         count[slots_[slot].beacon * receivers_ + slots_[slot].receiver].first = slot;
       for (std::size_t e = p * kLanes; e < p * kLanes + epochs_in(p); ++e) {
         const std::size_t lane = e % kLanes;
-        for_each_used(e, [&](std::size_t i, const SlotCount& path) {
+        for_each_used(e, [&](std::size_t i, const Tally& path) {
           tof_s_[path.first + path.here].of[lane] = arrivals.tof_s(i);
           if (own_speeds_) model_speed_mps_[path.first + path.here].of[lane] = t.arrivals[i].model_speed_mps;
         });

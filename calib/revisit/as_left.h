@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "calib/revisit/revisit.h"
 #include "calib/revisit/visit_information.h"
 #include "calib/statements/refit.h"
 #include "models/changes/comparison.h"
@@ -24,5 +25,9 @@ struct AsLeft {
 [[nodiscard]] AsLeft as_left(const Deployment& before, const KnownParameters& known,
                              const Eigen::VectorXd& drift, const Comparison& comparison,
                              const VisitInformation& visit, double tolerance_m);
+
+/// The new deployment with where it came from.
+[[nodiscard]] Deployment finished(const Revisit& revisit, const Deployment& before,
+                                  const Provenance& provenance);
 
 }  // namespace octant::calib

@@ -51,7 +51,101 @@ std::vector<Heard> heard_of_each(std::size_t count, const std::vector<Trajectory
   return all;
 }
 
+std::string name_of_receiver(const Deployment& d, std::size_t r) {
+  std::string name = d.vehicles[d.receivers[r].vehicle.index()].name;
+  name += "/" + d.receivers[r].name;
+  return name;
+}
+
+/// Arrivals of each beacon or by each receiver, whatever became of them.
+template <class Owner>
+std::vector<std::size_t> arrivals_of_each(std::size_t count, const std::vector<Trajectory>& trajectories,
+                                          Owner&& owner) {
+  std::vector<std::size_t> n(count, 0);
+  for (const Trajectory& t : trajectories)
+    for (const ArrivalObservation& a : t.arrivals) ++n[owner(a)];
+  return n;
+}
+
+/// Distances from beacons to the places where something was heard, with whether each was heard there.
+struct HearingPair {
+  std::size_t beacon = 0;
+  double distance_m = 0.0;
+  bool heard = false;
+};
+std::vector<HearingPair> hearing_pairs(const Deployment& before,
+                                       const std::vector<Trajectory>& trajectories) {
+  std::vector<HearingPair> pairs;
+  std::vector<bool> heard(before.beacons.size());
+  for (const Trajectory& t : trajectories) {
+    std::size_t a = 0;
+    for (std::size_t n = 0; n < t.nodes.size(); ++n) {
+      std::fill(heard.begin(), heard.end(), false);
+      bool any = false;
+      for (; a < t.arrivals.size() && t.arrivals[a].node <= n; ++a)
+        if (t.arrivals[a].node == n) heard[t.arrivals[a].beacon.index()] = any = true;
+      if (!any || !t.nodes[n].placed) continue;
+      for (std::size_t b = 0; b < heard.size(); ++b)
+        if (before.beacons[b].status != BeaconStatus::kUndetermined)
+          pairs.push_back(
+              {b, (before.beacons[b].position_m - t.nodes[n].T_map_vehicle.translation_m).norm(), heard[b]});
+    }
+  }
+  return pairs;
+}
+
 }  // namespace
+
+std::vector<std::string> silent_beacons(const Deployment& before,
+                                        const std::vector<Trajectory>& trajectories) {
+  // Beyond the reach nothing is missed; a beacon behind obstacles is no beacon that is off, so that the
+  // others have to be heard from most places.
+  constexpr double kMostDistances = 0.95, kMostHeard = 0.5, kMissed = 5.0;
+  const std::vector<std::size_t> arrivals = arrivals_of_each(
+      before.beacons.size(), trajectories, [](const ArrivalObservation& a) { return a.beacon.index(); });
+  if (std::find(arrivals.begin(), arrivals.end(), 0U) == arrivals.end()) return {};
+  const std::vector<HearingPair> pairs = hearing_pairs(before, trajectories);
+  std::vector<double> heard_m;
+  for (const HearingPair& p : pairs)
+    if (p.heard) heard_m.push_back(p.distance_m);
+  if (heard_m.empty()) return {};
+  double reach_m = nth_smallest(
+      heard_m, static_cast<std::size_t>(kMostDistances * static_cast<double>(heard_m.size() - 1)));
+  if (before.validity_reach_m) reach_m = std::min(reach_m, *before.validity_reach_m);
+  double near = 0.0, near_heard = 0.0;
+  std::vector<double> expected(arrivals.size(), 0.0);
+  for (const HearingPair& p : pairs) {
+    if (p.distance_m > reach_m) continue;
+    expected[p.beacon] += 1.0;
+    if (arrivals[p.beacon] == 0) continue;
+    near += 1.0;
+    near_heard += p.heard ? 1.0 : 0.0;
+  }
+  std::vector<std::string> silent;
+  for (std::size_t b = 0; b < arrivals.size(); ++b)
+    if (arrivals[b] == 0 && near_heard > kMostHeard * near && expected[b] * near_heard > kMissed * near)
+      silent.push_back(before.beacons[b].name);
+  return silent;
+}
+
+std::vector<std::string> silent_receivers(const Deployment& before,
+                                          const std::vector<Trajectory>& trajectories) {
+  constexpr std::size_t kEnough = 20;  ///< arrivals by each of the others
+  const std::vector<std::size_t> arrivals = arrivals_of_each(
+      before.receivers.size(), trajectories, [](const ArrivalObservation& a) { return a.receiver.index(); });
+  std::vector<std::string> silent;
+  for (std::size_t r = 0; r < arrivals.size(); ++r) {
+    std::size_t others = 0, taken = 0;
+    for (std::size_t o = 0; o < arrivals.size(); ++o)
+      if (before.receivers[o].vehicle == before.receivers[r].vehicle && arrivals[o] > 0) {
+        ++others;
+        taken += arrivals[o];
+      }
+    if (arrivals[r] == 0 && others > 0 && taken >= kEnough * others)
+      silent.push_back(name_of_receiver(before, r));
+  }
+  return silent;
+}
 
 std::vector<std::size_t> doubtful_beacons(const Deployment& before,
                                           const std::vector<Trajectory>& trajectories) {
@@ -101,12 +195,7 @@ std::vector<Heard> heard_by_receivers(const Deployment& before, const std::vecto
                                       const SharedState& now) {
   const SharedState then = shared_state(before);
   return heard_of_each(
-      before.receivers.size(), trajectories, now,
-      [&](std::size_t r) {
-        std::string name = before.vehicles[before.receivers[r].vehicle.index()].name;
-        name += "/" + before.receivers[r].name;
-        return name;
-      },
+      before.receivers.size(), trajectories, now, [&](std::size_t r) { return name_of_receiver(before, r); },
       [&](std::size_t r, SharedState& state) {
         state.receiver_p_vehicle_m[r] = then.receiver_p_vehicle_m[r];
         state.receiver_delay_s[r] = then.receiver_delay_s[r];

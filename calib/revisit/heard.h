@@ -21,6 +21,14 @@ struct Heard {
                           ///< calibration left it
 };
 
+/// Beacons of which nothing at all was heard, though those beside them were where it would have been:
+/// switched off, covered or taken away. @return by name
+[[nodiscard]] std::vector<std::string> silent_beacons(const Deployment& before,
+                                                      const std::vector<Trajectory>& trajectories);
+/// Receivers that took nothing while others of their vehicle did. @return by name, "robot/r0"
+[[nodiscard]] std::vector<std::string> silent_receivers(const Deployment& before,
+                                                        const std::vector<Trajectory>& trajectories);
+
 /// Beacons that lost many of their arrivals, so that their places are in doubt; most doubtful first.
 [[nodiscard]] std::vector<std::size_t> doubtful_beacons(const Deployment& before,
                                                         const std::vector<Trajectory>& trajectories);

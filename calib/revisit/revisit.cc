@@ -109,19 +109,27 @@ class SecondVisit {
     std::vector<bool> usable;
     for (const DeploymentBeacon& b : before_.beacons)
       usable.push_back(b.status != BeaconStatus::kUndetermined);
-    std::vector<Trajectory> trajectories = problem.trajectories;
-    const EpochFixModel model = search_model(problem, state, usable);
-    std::size_t placed = 0;
-    for (Trajectory& t : trajectories) {
-      static_cast<void>(place_states(t, model, kRangeUncertaintyM, false, 0.0, options_.solve.threads));
-      placed += static_cast<std::size_t>(
-          std::count_if(t.nodes.begin(), t.nodes.end(), [](const Node& n) { return n.placed; }));
-    }
-    if (placed == 0) return false;
-    set_start(problem, state, std::move(usable), std::move(trajectories));
-    if (!adjust_under(drifted() + Eigen::MatrixXd(room.asDiagonal()))) return false;
+    set_start(problem, state, std::move(usable), problem.trajectories);
+    static_cast<void>(place_missing());
+    const auto is_placed = [](const Node& n) { return n.placed; };
+    if (std::none_of(fit_.trajectories.begin(), fit_.trajectories.end(), [&](const Trajectory& t) {
+          return std::any_of(t.nodes.begin(), t.nodes.end(), is_placed);
+        }))
+      return false;
+    const Eigen::MatrixXd P = drifted() + Eigen::MatrixXd(room.asDiagonal());
+    if (!adjust_under(P)) return false;
+    if (place_missing() && !adjust_under(P)) return false;
     locate_lost();
     return true;
+  }
+
+  /// States that have no value, by the parameters as they stand. In other air many are missed at first.
+  bool place_missing() {
+    const EpochFixModel model = search_model(fit_.problem, fit_.state(), fit_.beacon_usable);
+    std::size_t placed = 0;
+    for (Trajectory& t : fit_.trajectories)
+      placed += place_states(t, model, kRangeUncertaintyM, false, 0.0, options_.solve.threads);
+    return placed > 0;
   }
 
   /// A beacon at another place, with the delay that it had.
@@ -349,6 +357,9 @@ class SecondVisit {
     const SharedState state = fit_.state();
     out_.beacons = heard_of_beacons(before_, fit_.trajectories, state);
     out_.receivers = heard_by_receivers(before_, fit_.trajectories, state);
+    out_.silent = silent_beacons(before_, fit_.trajectories);
+    for (std::string& name : silent_receivers(before_, fit_.trajectories))
+      out_.silent.push_back(std::move(name));
     if (out_.comparison.p_left < kUnexplained)
       out_.warnings.push_back(
           fmt::format("something of this visit fits neither the earlier calibration nor the changes found (p "
@@ -379,20 +390,6 @@ class SecondVisit {
 Result<Revisit> revisit(const Deployment& before, std::vector<MeasurementLog> runs,
                         const RevisitOptions& options) {
   return SecondVisit(before, options).run(std::move(runs));
-}
-
-Deployment finished(const Revisit& revisit, const Deployment& before, const Provenance& provenance) {
-  Deployment d = revisit.as_left;
-  d.created = provenance.created;
-  d.program_version = provenance.version;
-  d.program_command = provenance.command;
-  d.inputs = provenance.inputs;
-  d.warnings = revisit.warnings;
-  d.digest.clear();
-  d.previous =
-      Previous{before.digest, before.created, revisit.drift,
-               changed_parameters(revisit.comparison, known_parameters(before)), revisit.comparison.changes};
-  return d;
 }
 
 }  // namespace octant::calib

@@ -34,6 +34,7 @@ struct Revisit {
   std::string remedy;     ///< what to record or to do where there is none
   Comparison comparison;  ///< as found, owners and columns of the earlier deployment
   std::vector<Heard> beacons, receivers;
+  std::vector<std::string> silent;  ///< beacons and receivers that should have been heard, by name
   MediumFound medium;
   Drift drift;         ///< as allowed for: where no thermometer was read the speed may be any
   Deployment as_left;  ///< status kConverged; provenance is not filled in (finished())
@@ -59,9 +60,5 @@ struct Revisit {
 /// do not fit the site.
 [[nodiscard]] Result<Revisit> revisit(const Deployment& before, std::vector<MeasurementLog> runs,
                                       const RevisitOptions& options);
-
-/// The new deployment with where it came from.
-[[nodiscard]] Deployment finished(const Revisit& revisit, const Deployment& before,
-                                  const Provenance& provenance);
 
 }  // namespace octant::calib

@@ -29,10 +29,13 @@ enum class ChangeKind {
 /// Unit of its size: "m", "s", "m/s", "1".
 [[nodiscard]] const char* unit_of(ChangeKind kind);
 
+/// Subject of a delay that changed by the same for all beacons.
+inline constexpr const char* kAllBeaconsSubject = "all beacons";
+
 /// Something that is held to have changed.
 struct Change {
   ChangeKind kind = ChangeKind::kBeaconMoved;
-  std::string subject;  ///< "B3"; "robot/r3"; of exchanged beacons "B2, B5"; "speed"; "datum"
+  std::string subject;  ///< "B3"; "robot/r3"; of exchanged beacons "B2, B5"; "speed"; "datum"; "all beacons"
   double size = 0.0;   ///< length of a move, distance of what was exchanged, new less old of delay and speed,
                        ///< factor of an amplitude
   double sigma = 0.0;  ///< of the size

@@ -38,8 +38,14 @@ class ChangeSearcher {
     }
   }
 
-  ChangeSearch run() {
+  ChangeSearch run(const Held& also_from) {
     while (improve()) continue;
+    const Held from_none = held_;
+    held_ = also_from;
+    std::erase_if(held_, [this](std::size_t k) { return !std::isfinite(price_[k]); });
+    if (!held_.empty())
+      while (improve()) continue;
+    if (cost(from_none) <= cost(held_)) held_ = from_none;
     report();
     return std::move(out_);
   }
@@ -169,8 +175,9 @@ std::vector<ChangeHypothesis> change_hypotheses(const KnownParameters& known) {
   return all;
 }
 
-ChangeSearch search_changes(const Innovation& innovation, const std::vector<ChangeHypothesis>& hypotheses) {
-  return ChangeSearcher(innovation, hypotheses).run();
+ChangeSearch search_changes(const Innovation& innovation, const std::vector<ChangeHypothesis>& hypotheses,
+                            const std::vector<std::size_t>& also_from) {
+  return ChangeSearcher(innovation, hypotheses).run(also_from);
 }
 
 }  // namespace octant

@@ -12,10 +12,13 @@
 
 namespace octant {
 
+/// Owner of what all beacons share.
+inline constexpr std::size_t kAllBeacons = static_cast<std::size_t>(-1);
+
 /// Something that may have changed on its own.
 struct ChangeHypothesis {
   ChangeKind kind = ChangeKind::kBeaconMoved;
-  std::size_t owner = 0;     ///< beacon or receiver
+  std::size_t owner = 0;     ///< beacon or receiver; of a delay kAllBeacons: the same change of all
   std::vector<int> columns;  ///< of the innovation's B: parameters that are free to change then
 };
 /// Each beacon's place, delay and (with an attenuation) gain, each receiver's place, the speed.
@@ -47,7 +50,10 @@ inline constexpr double kFalseAlarm = 0.01;
 /// probability of kFalseAlarm over the number of hypotheses (Bonferroni). From none, changes are added,
 /// dropped and replaced by others for as long as squares and prices together fall, so that a change that was
 /// held only for want of a better one is given up again. What is left is tested one by one.
+/// @param also_from  hypotheses to begin with as well; the better end counts. Where most beacons moved, those
+/// that stayed look like the ones that moved, and single steps from none end there.
 [[nodiscard]] ChangeSearch search_changes(const Innovation& innovation,
-                                          const std::vector<ChangeHypothesis>& hypotheses);
+                                          const std::vector<ChangeHypothesis>& hypotheses,
+                                          const std::vector<std::size_t>& also_from = {});
 
 }  // namespace octant

@@ -52,7 +52,9 @@ Change change_of(const TestedChange& tested, const ChangeHypothesis& hypothesis,
     c.size = std::exp(c.size);
     c.sigma *= c.size;
   }
-  if (hypothesis.kind == ChangeKind::kReceiver) {
+  if (hypothesis.kind == ChangeKind::kDelay && hypothesis.owner == kAllBeacons) {
+    c.subject = kAllBeaconsSubject;
+  } else if (hypothesis.kind == ChangeKind::kReceiver) {
     c.subject = d.vehicles[d.receivers[hypothesis.owner].vehicle.index()].name + "/" +
                 d.receivers[hypothesis.owner].name;
   } else {
@@ -96,16 +98,40 @@ bool frame_is_held(const Deployment& d) {
   return !is_free(d.datum.position) && !is_free(d.datum.orientation);
 }
 
-/// The motions of the map as columns of their own.
-Innovation with_motions(const Innovation& innovation, const Eigen::MatrixXd& T) {
+/// Directions in the parameters, as the motions of the map are, as columns of their own.
+Innovation with_directions(const Innovation& innovation, const Eigen::MatrixXd& T) {
   Innovation out{Eigen::MatrixXd(innovation.B.rows(), innovation.B.cols() + T.cols()), innovation.y,
                  innovation.degrees_of_freedom};
-  Eigen::MatrixXd moved = innovation.B * T;
+  Eigen::MatrixXd moved = innovation.B.leftCols(T.rows()) * T;
   // What a kilometre would not show is not seen: rounding is no information.
   for (Eigen::Index k = 0; k < T.cols(); ++k)
     if (moved.col(k).norm() < kUnobservablePerMetre) moved.col(k).setZero();
   out.B << innovation.B, moved;
   return out;
+}
+
+/// The delays of all beacons together: other electronics, or another synchronisation, of the vehicle.
+Eigen::VectorXd common_delay(const KnownParameters& known) {
+  constexpr std::size_t kFewest = 3;  // two are two beacons
+  Eigen::VectorXd direction = Eigen::VectorXd::Zero(known.size());
+  std::size_t count = 0;
+  for (Eigen::Index i = 0; i < known.size(); ++i)
+    if (known.parameters[static_cast<std::size_t>(i)].kind == ParameterKind::kBeaconDelay) {
+      direction[i] = 1.0;
+      ++count;
+    }
+  return count >= kFewest ? direction : Eigen::VectorXd();
+}
+
+/// Places of beacons that are no control points: with all of them moved the search begins as well.
+std::vector<std::size_t> moves_of_free_beacons(const Deployment& d,
+                                               const std::vector<ChangeHypothesis>& hypotheses) {
+  std::vector<std::size_t> moves;
+  for (std::size_t k = 0; k < hypotheses.size(); ++k)
+    if (hypotheses[k].kind == ChangeKind::kBeaconMoved &&
+        d.beacons[hypotheses[k].owner].status != BeaconStatus::kControlPoint)
+      moves.push_back(k);
+  return moves;
 }
 
 /// Parameters that both deployments know, in the order of the first.
@@ -184,11 +210,15 @@ Comparison compare(const Deployment& before, const KnownParameters& known, const
     ChangeHypothesis datum{ChangeKind::kDatum, 0, {}};
     for (Eigen::Index k = 0; k < T.cols(); ++k) datum.columns.push_back(static_cast<int>(known.size() + k));
     out.hypotheses.push_back(std::move(datum));
-    innovation_seen = with_motions(innovation, T);
+    innovation_seen = with_directions(innovation, T);
   } else {
     innovation_seen = free_of(innovation, T);
   }
-  out.search = search_changes(innovation_seen, out.hypotheses);
+  if (const Eigen::VectorXd delay = common_delay(known); delay.size() > 0) {
+    out.hypotheses.push_back({ChangeKind::kDelay, kAllBeacons, {static_cast<int>(innovation_seen.B.cols())}});
+    innovation_seen = with_directions(innovation_seen, delay);
+  }
+  out.search = search_changes(innovation_seen, out.hypotheses, moves_of_free_beacons(before, out.hypotheses));
   for (const TestedChange& t : out.search.tested)
     if (t.held) out.changes.push_back(change_of(t, out.hypotheses[t.hypothesis], before));
   name_exchanges(before, out.changes);
@@ -220,6 +250,11 @@ Released changed_parameters(const Comparison& comparison, const KnownParameters&
     const ChangeHypothesis& hypothesis = comparison.hypotheses[k];
     if (hypothesis.kind == ChangeKind::kDatum) {
       released.datum = true;
+      continue;
+    }
+    if (hypothesis.owner == kAllBeacons) {
+      for (const ParameterId& id : known.parameters)
+        if (id.kind == ParameterKind::kBeaconDelay) released.parameters.push_back(id);
       continue;
     }
     for (const int i : hypothesis.columns)

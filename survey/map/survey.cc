@@ -173,12 +173,16 @@ class FloorMapTask {
   std::vector<std::uint8_t> mask_;
 };
 
-/// Fraction of poses whose total sigma is within the tolerance.
+/// Fraction of poses whose total sigma is within the tolerance, and whose place is not one of two.
 double covered(const std::vector<FloorMap*>& maps, const SurveyModel& model) {
   const FloorMap& total = maps[kMapTotal] != nullptr ? *maps[kMapTotal] : *maps[kMapSigma];
+  const FloorMap* mirror = maps[kMapMirror];
   const double limit = model.tolerance.fix_m.value_or(std::numeric_limits<double>::max());
-  const auto within = std::count_if(total.values.begin(), total.values.end(),
-                                    [&](float v) { return static_cast<double>(v) <= limit; });
+  std::size_t within = 0;
+  for (std::size_t i = 0; i < total.values.size(); ++i) {
+    const bool is_mirrored = mirror != nullptr && mirror->values[i] > 0;
+    if (static_cast<double>(total.values[i]) <= limit && !is_mirrored) ++within;
+  }
   return total.values.empty() ? 0.0 : static_cast<double>(within) / static_cast<double>(total.values.size());
 }
 

@@ -57,12 +57,13 @@ struct Survey {
   std::vector<FloorMap> maps;
   std::vector<RouteSurvey> routes;
   double fix_fraction = 0.0;  ///< of cells with a fix
-  double covered_fraction =
-      0.0;  ///< with a fix within tolerance.fix_m (noise and calibration); without a tolerance: with a fix
+  /// With a fix within tolerance.fix_m (noise and calibration; without a tolerance: with a fix) that is not
+  /// one of two places.
+  double covered_fraction = 0.0;
   double k_covered_fraction = 0.0;  ///< that hear `coverage` beacons or more
   int coverage = 0;
-  double mirror_fraction = 0.0;
-  std::vector<double> heard_fraction;                 ///< of each beacon: cells that hear it
+  double mirror_fraction = 0.0;        ///< with a fix of which a mirror image explains the ranges as well
+  std::vector<double> heard_fraction;  ///< of each beacon: cells that hear it
   std::vector<std::vector<std::uint8_t>> heard_bits;  ///< of each beacon: bit i % 8 of byte i / 8 for cell i
   std::vector<Loss> failures, double_failures;
   std::optional<double>

@@ -156,11 +156,10 @@ ReportDocument survey_document(const Survey& s, const SurveyPageInput& input) {
   document.grade = to_string(v.grade);
   document.tone = tone_of(v.grade);
   document.sentence =
-      v.sentence + fmt::format(
-                       " {} beacons or more are heard in {}, a mirror image fits in {}. "
-                       "Looked at: {} beacons, {} cells of {:g} m.",
-                       s.coverage, percent_text(s.k_covered_fraction), percent_text(s.mirror_fraction),
-                       s.model.beacons.size(), s.grid.cells.size(), s.grid.cell_m);
+      v.sentence +
+      fmt::format(" {} beacons or more are heard in {}. Looked at: {} beacons, {} cells of {:g} m.",
+                  s.coverage, percent_text(s.k_covered_fraction), s.model.beacons.size(), s.grid.cells.size(),
+                  s.grid.cell_m);
   document.sections.push_back({"next", "What to do next", {ReportList{v.next, true}}});
   document.sections.push_back({"maps", "Maps", {maps(s)}});
   document.sections.push_back({"figures", "Figures over the floor", {figures(s)}});

@@ -16,14 +16,23 @@ constexpr double kNearlyAll = 0.99;
 /// A beacon's failure that takes this share of the floor out of tolerance is worth a word.
 constexpr double kMuchLost = 0.05;
 
+/// Where a fix is one of two places.
+std::string mirrored_part_of(const Survey& s) {
+  return s.mirror_fraction > 0 ? fmt::format(", in {} a mirror image explains the ranges as well",
+                                             percent_text(s.mirror_fraction))
+                               : std::string();
+}
+
 /// How much of the floor is inside, beyond, and without a fix.
 std::string parts_of(const Survey& s) {
-  const double beyond = s.fix_fraction - s.covered_fraction, none = 1 - s.fix_fraction;
+  constexpr double kRounded = 1e-9;
+  const double beyond = s.fix_fraction - s.covered_fraction - s.mirror_fraction, none = 1 - s.fix_fraction;
   std::string text =
       fmt::format("{} of the floor is within the tolerance of {}", percent_text(s.covered_fraction),
                   figure_text(*s.model.tolerance.fix_m, "m"));
-  if (beyond > 0) text += fmt::format(", {} beyond it", percent_text(beyond));
-  if (none > 0) text += fmt::format(", {} without a fix", percent_text(none));
+  text += mirrored_part_of(s);
+  if (beyond > kRounded) text += fmt::format(", {} beyond it", percent_text(beyond));
+  if (none > kRounded) text += fmt::format(", {} without a fix", percent_text(none));
   return text + ".";
 }
 
@@ -51,9 +60,8 @@ std::vector<std::string> steps_of(const Survey& s, Grade grade) {
   }
   if (s.mirror_fraction > 1 - kNearlyAll)
     steps.push_back(
-        fmt::format("Hang a beacon off the line of the others: in {} of the floor a mirror image "
-                    "explains the ranges as well.",
-                    percent_text(s.mirror_fraction)));
+        "Hang a beacon off the line of the others, or let odometry or receivers that are no line tell the "
+        "side.");
   if (steps.empty())
     steps.emplace_back(s.calibrated ? "Nothing needs to be done."
                                     : "Nothing: hang the beacons, record, and calibrate.");
@@ -72,8 +80,8 @@ SurveyVerdict survey_verdict(const Survey& s) {
     v.sentence = (reach_is_known(s) ? "" : "if every beacon is heard everywhere, ") + parts_of(s);
   } else {
     v.sentence = fmt::format(
-        "{} of the floor has a fix. The site states no tolerance (tolerance.fix_m) to hold that against.",
-        percent_text(s.fix_fraction));
+        "{} of the floor has a fix{}. The site states no tolerance (tolerance.fix_m) to hold that against.",
+        percent_text(s.fix_fraction), mirrored_part_of(s));
   }
   v.next = steps_of(s, v.grade);
   return v;

@@ -45,6 +45,24 @@ TEST(Changes, FindsWhatMoved) {
   EXPECT_FALSE(changes_between(before, now).same_datum);
 }
 
+/// What the visit found is not searched again in the difference of the files, where it could come out
+/// another.
+TEST(Changes, OfARecalibrationAreThoseThatItsVisitFound) {
+  Deployment before = full_report().plan.deployment, now = before;
+  before.digest = "first";
+  now.beacons[1].position_m.x() += 0.02;
+  Change found;
+  found.subject = now.beacons[2].name;
+  found.size = 0.1;
+  now.previous = Previous{before.digest, before.created, {}, {}, {found}};
+  const Changes changes = changes_between(before, now);
+  ASSERT_EQ(changes.found.size(), 1u);
+  EXPECT_EQ(changes.found[0].subject, now.beacons[2].name);
+  for (const BeaconChange& c : changes.beacons) EXPECT_EQ(c.significant, c.name == found.subject) << c.name;
+  before.digest = "another";
+  EXPECT_TRUE(changes_between(before, now).beacons[1].significant);
+}
+
 TEST(Changes, KnownHeightIsNoDirectionToJudgeBy) {
   Deployment before = full_report().plan.deployment;
   before.beacons[1].covariance_m2 = Eigen::Vector3d(4e-6, 4e-6, 0).asDiagonal();

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
@@ -35,6 +36,10 @@ int run(const MonitorArgs& args, Session& session) {
     if (!needs_action(c, visit->revisit.medium)) continue;
     message += (message.empty() ? "" : "; ") + in_words(c);
     advice += (advice.empty() ? "" : "; ") + remedy_of(c);
+  }
+  if (const std::vector<std::string>& silent = visit->revisit.silent; !silent.empty()) {
+    message += fmt::format("{}nothing is heard of {}", message.empty() ? "" : "; ", fmt::join(silent, ", "));
+    advice += fmt::format("{}look at {} on site", advice.empty() ? "" : "; ", fmt::join(silent, ", "));
   }
   object["action"] = !message.empty();
   if (message.empty()) return session.finish(object);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "apps/octant/interrupt.h"
 #include "apps/octant/options.h"
@@ -132,6 +133,12 @@ Result<SecondVisitFiles> revisit_files(const std::string& path, const std::vecto
   out.revisit = std::move(*found);
   out.before = std::move(*before);
   session.warn(out.revisit.warnings);
+  if (!out.revisit.silent.empty())
+    session.warn(
+        fmt::format("nothing was heard of {}, though it should have been from where the vehicle was: "
+                    "switched off, covered, or "
+                    "taken away? What the calibration has of it is carried over",
+                    fmt::join(out.revisit.silent, ", ")));
   return out;
 }
 
@@ -160,7 +167,7 @@ Json revisit_json(const SecondVisitFiles& visit, const Session& session) {
           {"seconds", session.seconds()},
           {"since", visit.before.created},
           {"changes", changes_json(r.comparison.changes)},
-          {"heard", {{"beacons", beacons}, {"receivers", receivers}}},
+          {"heard", {{"beacons", beacons}, {"receivers", receivers}, {"silent", r.silent}}},
           {"p", r.comparison.p},
           {"p_left", r.comparison.p_left},
           {"medium",

@@ -54,8 +54,10 @@ std::string in_words(const Change& c) {
       return fmt::format("{} stands {} (sigma {}) from where it was: {}", c.subject, length_text(c.size),
                          length_text(c.sigma), shift_in_words(c));
     case ChangeKind::kDelay:
-      return fmt::format("{} answers {} {} (sigma {}): replaced?", c.subject, time_text(std::abs(c.size)),
-                         c.size > 0 ? "later" : "earlier", time_text(c.sigma));
+      return fmt::format("{} {} {} (sigma {}): {}",
+                         c.subject == kAllBeaconsSubject ? "all beacons answer" : c.subject + " answers",
+                         time_text(std::abs(c.size)), c.size > 0 ? "later" : "earlier", time_text(c.sigma),
+                         c.subject == kAllBeaconsSubject ? "other electronics of the vehicle?" : "replaced?");
     case ChangeKind::kReceiver:
       return fmt::format("receiver {} sits {} (sigma {}) from its place: {}", c.subject, length_text(c.size),
                          length_text(c.sigma), shift_in_words(c));
@@ -79,6 +81,9 @@ std::string remedy_of(const Change& c) {
   switch (c.kind) {
     case ChangeKind::kBeaconMoved: return fmt::format("look at {} on site, then recalibrate", c.subject);
     case ChangeKind::kDelay:
+      if (c.subject == kAllBeaconsSubject)
+        return "if the vehicle's electronics or the synchronisation were changed, recalibrate; else look at "
+               "them";
       return fmt::format("if {} was replaced, recalibrate; else look at its electronics", c.subject);
     case ChangeKind::kReceiver:
       return fmt::format("look at receiver {}: straighten it, or recalibrate", c.subject);

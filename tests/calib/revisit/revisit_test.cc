@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calib/revisit/as_left.h"
 #include "models/simulator/random.h"
 #include "tests/calib/calib_support.h"
 
@@ -83,6 +84,7 @@ TEST(Revisit, NothingChanged) {
   EXPECT_TRUE(found.comparison.changes.empty());
   EXPECT_GT(found.comparison.p, 1e-3);
   for (const Heard& h : found.beacons) EXPECT_GT(h.used, 0U) << h.name;
+  EXPECT_TRUE(found.silent.empty());
 }
 
 TEST(Revisit, AMovedBeaconIsFoundAndToldAnew) {
@@ -124,6 +126,48 @@ TEST(Revisit, ADelayIsNoMove) {
   EXPECT_NEAR(found.comparison.changes[0].size, 80e-6, 4 * found.comparison.changes[0].sigma);
   EXPECT_NEAR(found.beacons[kFree].misfit_s, 80e-6, 2e-5);
   EXPECT_NEAR(found.as_left.beacons[kFree].delay_s, visits.before.beacons[kFree].delay_s + 80e-6, 2e-5);
+}
+
+/// Three control points stayed; single steps from none accused two of them.
+TEST(Revisit, WhereMostBeaconsMovedControlPointsAreNotAccused) {
+  std::vector<std::string> moved;
+  const Revisit found = revisited(two_visits([&](Scenario& s) {
+    const Eigen::Vector3d by_m[] = {
+        {0.1, 0.0, 0.0}, {0.0, 0.1, 0.0}, {-0.1, 0.1, 0.0}, {0.1, 0.0, 0.0}, {0.0, 0.1, 0.1}};
+    for (std::size_t b = 0; b < s.site.beacons.size(); ++b) {
+      if (s.site.beacons[b].is_control_point()) continue;
+      move(s, b, by_m[moved.size()]);
+      moved.push_back(s.site.beacons[b].name);
+    }
+  }));
+  ASSERT_EQ(moved.size(), 5U);
+  std::vector<std::string> named;
+  for (const Change& c : found.comparison.changes) named.push_back(c.subject);
+  std::sort(named.begin(), named.end());
+  EXPECT_EQ(named, moved);
+}
+
+TEST(Revisit, TheSameDelayOfAllBeaconsIsOneChange) {
+  TwoVisits visits = two_visits([](Scenario&) {});
+  for (Arrival& a : visits.second.arrivals) a.tof_s += 50e-6;
+  const Revisit found = revisited(visits);
+  ASSERT_EQ(found.comparison.changes.size(), 1U);
+  const Change& c = found.comparison.changes[0];
+  EXPECT_EQ(c.kind, ChangeKind::kDelay);
+  EXPECT_EQ(c.subject, "all beacons");
+  EXPECT_NEAR(c.size, 50e-6, 4 * c.sigma);
+  for (std::size_t b = 0; b < 8; ++b)
+    EXPECT_NEAR(found.as_left.beacons[b].delay_s, visits.before.beacons[b].delay_s + 50e-6, 2.5e-5);
+}
+
+/// By what was known only some stops have a place.
+TEST(Revisit, InMuchWarmerAirNoArrivalIsPassedOver) {
+  const TwoVisits visits = two_visits([](Scenario& s) { s.site.medium.temperature_degC += 18.0; });
+  const Revisit found = revisited(visits);
+  EXPECT_TRUE(found.comparison.changes.empty());
+  std::size_t counted = 0;
+  for (const Heard& h : found.beacons) counted += h.used + h.late + h.early;
+  EXPECT_GT(static_cast<double>(counted), 0.97 * static_cast<double>(visits.second.arrivals.size()));
 }
 
 TEST(Revisit, ABentReceiverIsNoBeacon) {
@@ -212,12 +256,37 @@ TEST(Revisit, ABeaconWithEchoesIsNotAccused) {
   }
 }
 
+TEST(Revisit, ABeaconOutOfReachIsNotSilent) {
+  TwoVisits visits = two_visits([](Scenario&) {});
+  // Nothing reaches farther than to a third of the hall, and the vehicle never came as near to that beacon.
+  const double reach_m = 6.0;
+  std::vector<std::int64_t> near;
+  const double speed_mps = 343.0;
+  for (const Arrival& a : visits.second.arrivals)
+    if (a.beacon == BeaconId(kFree) && a.tof_s * speed_mps < reach_m) near.push_back(a.epoch);
+  std::erase_if(visits.second.arrivals, [&](const Arrival& a) {
+    return a.tof_s * speed_mps > 2 * reach_m || std::find(near.begin(), near.end(), a.epoch) != near.end() ||
+           a.beacon == BeaconId(kFree);
+  });
+  visits.before.validity_reach_m = reach_m;
+  EXPECT_TRUE(revisited(visits).silent.empty());
+}
+
+TEST(Revisit, AReceiverThatTakesNothingIsSilent) {
+  TwoVisits visits = two_visits([](Scenario&) {});
+  std::erase_if(visits.second.arrivals, [](const Arrival& a) { return a.receiver.index() == 2; });
+  const Revisit found = revisited(visits);
+  ASSERT_EQ(found.silent.size(), 1U);
+  EXPECT_EQ(found.silent[0], found.receivers[2].name);
+}
+
 TEST(Revisit, WhatWasNotHeardIsCarriedOver) {
   TwoVisits visits = two_visits([](Scenario&) {});
   std::erase_if(visits.second.arrivals, [](const Arrival& a) { return a.beacon == BeaconId(kFree); });
   const Revisit found = revisited(visits);
   EXPECT_TRUE(found.comparison.changes.empty());
   EXPECT_EQ(found.beacons[kFree].used, 0U);
+  EXPECT_EQ(found.silent, std::vector<std::string>{"B4"});
   EXPECT_EQ(found.as_left.beacons[kFree].status, BeaconStatus::kCalibrated);
   EXPECT_LT((found.as_left.beacons[kFree].position_m - visits.before.beacons[kFree].position_m).norm(), 5e-3);
   EXPECT_GT(found.as_left.beacons[kFree].covariance_m2.trace(),

@@ -18,6 +18,7 @@
 #include "survey/map/calibration_map.h"
 #include "survey/map/mirror.h"
 #include "survey/map/survey_csv.h"
+#include "survey/page/survey_verdict.h"
 #include "tests/support/worlds.h"
 #include "tests/survey/brute_force.h"
 #include "tests/survey/small_scene.h"
@@ -268,6 +269,9 @@ TEST(Survey, MirrorImagesWhereBeaconsStandInALine) {
   const auto mirrored = must(run_survey(must(make_survey_model(site, scene)), scene, nullptr));
   const auto cells = static_cast<double>(mirrored.grid.cells.size());
   EXPECT_GT(mirrored.mirror_fraction, 0.99);
+  EXPECT_GT(mirrored.fix_fraction, 0.99);
+  EXPECT_NEAR(mirrored.covered_fraction, 1.0 - mirrored.mirror_fraction, 1e-9) << "one of two places is none";
+  EXPECT_NE(survey_verdict(mirrored).grade, Grade::kGood);
   // Every image lies across the line, at the same distances.
   const SurveyModel model = must(make_survey_model(site, scene));
   std::vector<HeardPath> paths;
