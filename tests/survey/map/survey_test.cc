@@ -260,6 +260,7 @@ TEST(Survey, MirrorImagesWhereBeaconsStandInALine) {
   Scene scene = small_scene();
   scene.walls.clear();
   Site site = small_site(0);
+  site.tolerance.fix_m = 10.0;
   for (int i = 0; i < 4; ++i)
     site.beacons.push_back(test::beacon("L" + std::to_string(i), {3.0 * i + 1, 4.0, 2.5}, 0.0));
   site.receivers.resize(1);

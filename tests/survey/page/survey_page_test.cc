@@ -51,6 +51,7 @@ TEST(SurveyPage, TheBannersColourSaysWhatItsWordsSay) {
     return page.tone;
   };
   survey.fix_fraction = 1.0;
+  survey.mirror_fraction = 0.0;
   EXPECT_EQ(tone_with(0.05, 1.0), Tone::kAttention) << "nothing says how far a beacon is heard";
   EXPECT_EQ(survey_verdict(survey).grade, Grade::kUnjudged);
   EXPECT_EQ(survey_verdict(survey).sentence,
@@ -62,6 +63,12 @@ TEST(SurveyPage, TheBannersColourSaysWhatItsWordsSay) {
   EXPECT_EQ(survey_verdict(survey).sentence, "100.0 % of the floor is within the tolerance of 50 mm.");
   EXPECT_EQ(tone_with(0.05, 0.9), Tone::kBad);
   EXPECT_EQ(survey_verdict(survey).grade, Grade::kPoor);
+  survey.mirror_fraction = 0.1;
+  EXPECT_EQ(
+      survey_verdict(survey).sentence,
+      "90.0 % of the floor is within the tolerance of 50 mm, in 10.0 % a mirror image explains the ranges "
+      "as well.");
+  survey.mirror_fraction = 0.0;
   survey.fix_fraction = 0.95;
   EXPECT_EQ(survey_verdict(survey).sentence,
             "90.0 % of the floor is within the tolerance of 50 mm, 5.0 % beyond it, 5.0 % without a fix.");
