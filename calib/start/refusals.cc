@@ -3,7 +3,6 @@
 #include "calib/start/refusals.h"
 
 #include <algorithm>
-#include <array>
 #include <string>
 #include <utility>
 
@@ -35,20 +34,21 @@ namespace {
 
 struct PlacedArrivals {
   std::size_t placed = 0, all = 0;
+  bool any_state = false;  ///< of bearings too
 };
 PlacedArrivals placed_of(const std::vector<Trajectory>& trajectories) {
   PlacedArrivals n;
   for (const Trajectory& t : trajectories) {
     n.all += t.arrivals.size() + t.stateless_arrivals.size();
     for (const ArrivalObservation& a : t.arrivals) n.placed += t.nodes[a.node].placed ? 1 : 0;
+    for (const Segment& s : t.segments) n.any_state = n.any_state || t.nodes[s.first_node].placed;
   }
   return n;
 }
 
-bool are_all_held(const ParameterLayout& layout) {
-  return std::all_of(layout.beacon.begin(), layout.beacon.end(), [](const std::array<int, 3>& columns) {
-    return *std::max_element(columns.begin(), columns.end()) < 0;
-  });
+bool are_all_held(const Site& site) {
+  return std::all_of(site.beacons.begin(), site.beacons.end(),
+                     [](const SiteBeacon& b) { return b.is_control_point(); });
 }
 
 Solution without_any_pose(const Problem& problem, const std::vector<bool>& beacon_found) {
@@ -104,9 +104,9 @@ std::optional<Solution> without_poses(const Problem& problem, const ParameterLay
                                       const std::vector<bool>& beacon_found,
                                       const std::vector<Trajectory>& trajectories, double least_share) {
   const PlacedArrivals n = placed_of(trajectories);
-  const bool are_few = static_cast<double>(n.placed) < least_share * static_cast<double>(n.all),
-             all_held = are_all_held(layout);
-  if (n.placed > 0 && !(are_few && all_held)) return std::nullopt;
+  const bool are_few = static_cast<double>(n.placed) < least_share * static_cast<double>(n.all);
+  const bool all_held = are_all_held(problem.site);
+  if (n.any_state && !(are_few && all_held)) return std::nullopt;
   if (all_held && is_known_in_line(problem, layout, trajectories)) return without_a_side(problem, n);
   return without_any_pose(problem, beacon_found);
 }

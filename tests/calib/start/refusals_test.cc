@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 /// One receiver on the origin stops among beacons that are all held.
-World world_of(std::vector<Eigen::Vector3d> beacons_m, std::uint64_t seed) {
+World world_of(std::vector<Eigen::Vector3d> beacons_m, std::uint64_t seed, bool bearings = false) {
   Scenario s = hall_scenario();
   s.site.receivers.resize(1);
   s.site.receivers[0].position_m = {0.0, 0.0, 0.3};
@@ -29,6 +29,8 @@ World world_of(std::vector<Eigen::Vector3d> beacons_m, std::uint64_t seed) {
       s.site.beacons[b].position_m[i] = beacons_m[b][static_cast<Eigen::Index>(i)];
       s.site.beacons[b].sigma_m[i] = 0.0;
     }
+  if (bearings) s.bearings = Scenario::Bearings{};
+  s.site.noise.bearing_sigma_rad = 0.01;
   s.range_m = 40.0;
   s.path = {};
   s.path.epochs = 60;
@@ -48,6 +50,13 @@ TEST(Refusals, HeldBeaconsInALineTellNoSide) {
 TEST(Refusals, HeldBeaconsBesideALineDo) {
   const calib::Solution solution =
       solution_of(world_of({{0.0, 4.0, 2.5}, {5.0, 4.0, 2.5}, {10.0, 4.0, 2.5}, {7.0, 11.0, 2.5}}, 1));
+  EXPECT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
+}
+
+TEST(Refusals, BearingsAlonePlaceAVehicle) {
+  World world = world_of({{0.0, 0.0, 2.5}, {10.0, 0.0, 2.5}, {5.0, 8.0, 2.5}, {0.0, 8.0, 2.5}}, 1, true);
+  world.run.arrivals.clear();
+  const calib::Solution solution = solution_of(world);
   EXPECT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
 }
 
