@@ -224,7 +224,7 @@ class Examiner {
     h_.poses.rows = run_.poses.size();
     h_.poses.share = static_cast<double>(on_poses) / all;
     for (const auto& [name, c] :
-         {std::pair<const char*, const Coverage&>{"odometry.csv", h_.odometry}, {"poses.tum", h_.poses}})
+         {std::pair<std::string, const Coverage&>{"odometry.csv", h_.odometry}, {pose_file(run_), h_.poses}})
       if (c.rows > 0 && h_.arrivals > 0 && c.share < 0.9)
         find("coverage", fmt::format("{} accompanies {:.0f} % of the arrivals only (longest gap {:.3g} s): "
                                      "do both run on the same clock?",
@@ -238,6 +238,12 @@ class Examiner {
 };
 
 }  // namespace
+
+std::string pose_file(const MeasurementLog& run) {
+  const bool points = std::any_of(run.sha256.begin(), run.sha256.end(),
+                                  [](const auto& file) { return file.first.ends_with("points.csv"); });
+  return points ? "points.csv" : "poses.tum";
+}
 
 RunHealth log_health(const Site& site, const MeasurementLog& run) { return Examiner(site, run).examine(); }
 

@@ -11,6 +11,9 @@
 
 namespace octant::calib {
 
+/// The file that a run's measured poses were read from: points.csv, or else poses.tum.
+[[nodiscard]] std::string pose_file(const MeasurementLog& run);
+
 /// Something about a log or a site that a person should look at.
 struct Finding {
   std::string

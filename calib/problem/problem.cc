@@ -10,6 +10,7 @@
 
 #include "calib/problem/flips.h"
 #include "calib/problem/gates.h"
+#include "calib/problem/log_health.h"
 #include "calib/problem/ranges.h"
 #include "calib/problem/site_units.h"
 
@@ -146,8 +147,8 @@ void widen_poses(const Problem& problem, Trajectory& t) {
 std::string stateless_in_words(const MeasurementLog& run, int line, std::size_t count) {
   return fmt::format(
       "{}/tof.csv:{}: {} arrivals have no vehicle state at their time (beyond odometry or in a gap of "
-      "poses.tum) and are left out",
-      run.path, line, count);
+      "{}) and are left out",
+      run.path, line, count, pose_file(run));
 }
 
 Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs, int threads) {
@@ -169,11 +170,13 @@ Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs, int th
     }
   }
   if (observations == 0) {
-    return fail({.file = runs.empty() ? site.path : runs.front().path + "/tof.csv",
-                 .found = "no arrival or bearing to calibrate with",
-                 .expected = "rows of times of flight or bearings with a vehicle state at their time",
-                 .advice = "record a run while the beacons fire, or check poses.tum and odometry.csv against "
-                           "the times in tof.csv"});
+    return fail(
+        {.file = runs.empty() ? site.path : runs.front().path + "/tof.csv",
+         .found = "no arrival or bearing to calibrate with",
+         .expected = "rows of times of flight or bearings with a vehicle state at their time",
+         .advice =
+             "record a run while the beacons fire, or check the measured poses and odometry.csv against "
+             "the times in tof.csv"});
   }
   problem.held_lever_sigma_m = hold_levers(site, problem.trajectories);
   for (Trajectory& t : problem.trajectories) widen_poses(problem, t);

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calib/problem/log_health.h"
 #include "calib/problem/site_units.h"
 #include "calib/readings/clock_jumps.h"
 #include "calib/readings/mixed_units.h"
@@ -105,10 +106,11 @@ std::vector<Reading> exchanged_points(const Site& site) {
 
 std::vector<Reading> other_pose_frames(const std::vector<MeasurementLog>& runs) {
   std::vector<Reading> readings;
-  if (std::none_of(runs.begin(), runs.end(), [](const MeasurementLog& run) { return !run.poses.empty(); }))
-    return readings;
+  const auto posed =
+      std::find_if(runs.begin(), runs.end(), [](const MeasurementLog& run) { return !run.poses.empty(); });
+  if (posed == runs.end()) return readings;
   for (const Reflection& reflection : reflections())
-    readings.push_back({{ContradictionKind::kPoses, "in poses.tum", "in a right-handed frame",
+    readings.push_back({{ContradictionKind::kPoses, "in " + pose_file(*posed), "in a right-handed frame",
                          fmt::format("that their frame is left-handed (mirrored): {}", reflection.words), 0.0,
                          "export the poses in a right-handed frame: z up, headings counter-clockwise from x"},
                         {},
@@ -116,6 +118,63 @@ std::vector<Reading> other_pose_frames(const std::vector<MeasurementLog>& runs) 
                           for (TimedPose& pose : run.poses) pose.T_map_vehicle = read(pose.T_map_vehicle);
                         }});
   return readings;
+}
+
+std::vector<Reading> other_odometry(const std::vector<MeasurementLog>& runs) {
+  struct Convention {
+    const char* words;
+    const char* remedy;
+    double way = 1.0, side = 1.0, turn = 1.0;  ///< factors of dx, dy and dheading
+  };
+  constexpr double kDegree_rad = M_PI / 180.0;
+  static const Convention kConventions[] = {
+      {"that its turns count clockwise", "negate dheading_rad: counter-clockwise is positive", 1.0, 1.0,
+       -1.0},
+      {"that it counts the way backward", "negate dx_m: forward is positive", -1.0, 1.0, 1.0},
+      {"that y counts to the right and turns clockwise",
+       "negate dy_m and dheading_rad: left and counter-clockwise are positive", 1.0, -1.0, -1.0},
+      {"that it counts backward and turns clockwise", "negate dx_m and dheading_rad", -1.0, 1.0, -1.0},
+      {"that its turns are in degrees", "multiply dheading_rad by pi / 180", 1.0, 1.0, kDegree_rad},
+      {"that its way is in millimetres", "multiply dx_m and dy_m by 0.001", 1e-3, 1e-3, 1.0},
+      {"that its way is in centimetres", "multiply dx_m and dy_m by 0.01", 1e-2, 1e-2, 1.0},
+  };
+  const auto driven =
+      std::find_if(runs.begin(), runs.end(), [](const MeasurementLog& run) { return !run.odometry.empty(); });
+  if (driven == runs.end() || !std::all_of(driven->odometry.begin(), driven->odometry.end(),
+                                           [](const OdometryStep& s) { return s.is_planar(); }))
+    return {};
+  std::vector<Reading> readings;
+  for (const Convention& c : kConventions)
+    readings.push_back(
+        {{ContradictionKind::kLog, driven->path + "/odometry.csv",
+          "metres and radians in the vehicle's frame, x forward, y left", c.words, 0.0, c.remedy},
+         {},
+         [&c](std::size_t, MeasurementLog& run) {
+           for (OdometryStep& step : run.odometry) {
+             step.dx_m *= c.way;
+             step.dy_m *= c.side;
+             step.dheading_rad *= c.turn;
+             step.way_m *= std::abs(c.way);
+           }
+         },
+         true});
+  return readings;
+}
+
+std::vector<Reading> without_poses(const std::vector<MeasurementLog>& runs) {
+  const auto posed = std::find_if(runs.begin(), runs.end(), [](const MeasurementLog& run) {
+    return !run.poses.empty() && run.has_epochs;
+  });
+  if (posed == runs.end()) return {};
+  return {Reading{{ContradictionKind::kPoses, "in " + posed->path + "/" + pose_file(*posed),
+                   "poses of the vehicle in the map's frame",
+                   "that they do not fit the arrivals, which fit without them", 0.0,
+                   "compare them with the site file's frame (origin, axes, metres; the vehicle's origin; "
+                   "headings in radians counter-clockwise from x), or leave them out"},
+                  {},
+                  [](std::size_t, MeasurementLog& run) {
+                    if (run.has_epochs) run.poses.clear();
+                  }}};
 }
 
 std::vector<Reading> other_wirings(const Site& site, const Solution& solution) {

@@ -16,6 +16,8 @@ struct Reading {
   Contradiction what;                                         ///< if it is what is meant; without `sigmas`
   std::function<Site(const Site&)> site;                      ///< empty: as stated
   std::function<void(std::size_t run, MeasurementLog&)> log;  ///< of each run; empty: as recorded
+  bool is_of_whole =
+      false;  ///< `log` is of the whole recording, before a part is taken and rows are summed up
 };
 
 /// Times there and back for one-way times, or the other way round; none where each epoch has a clock of its
@@ -35,6 +37,14 @@ struct Reading {
 
 /// Measured poses in a mirrored frame; none where there are no poses.
 [[nodiscard]] std::vector<Reading> other_pose_frames(const std::vector<MeasurementLog>& runs);
+
+/// Odometry with the turns or the way of another sign, in degrees, centimetres or millimetres; none where
+/// there is none, or it is in space.
+[[nodiscard]] std::vector<Reading> other_odometry(const std::vector<MeasurementLog>& runs);
+
+/// Without the measured poses of stops, which then fit in no way that is known; none where there are no
+/// poses, or of a drive, whose ways hang on them.
+[[nodiscard]] std::vector<Reading> without_poses(const std::vector<MeasurementLog>& runs);
 
 /// Receivers exchanged, mirrored, turned.
 [[nodiscard]] std::vector<Reading> other_wirings(const Site& site, const Solution& solution);

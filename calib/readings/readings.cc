@@ -77,13 +77,17 @@ class Search {
     if (nothing_but_exchanges())
       try_out(scale_is_right ? other_units(site_, second_, true) : scales(),
               is_blamed(ContradictionKind::kSpeed));
-    // A wrong frame of short lever arms looks much like receivers in another unit: both have their turn.
+    // A wrong frame of short lever arms, or odometry that counts backward, looks much like receivers in
+    // another unit: all have their turn.
+    const std::vector<Reading> odometry = other_odometry(problem_.runs);
+    try_out(odometry);
     std::vector<Reading> frames = other_pose_frames(problem_.runs);
-    if (nothing_but_exchanges() || !frames.empty()) {
+    if (nothing_but_exchanges() || !frames.empty() || !odometry.empty()) {
       for (Reading& reading : other_wirings(site_, solution_)) frames.push_back(std::move(reading));
       for (Reading& reading : other_site_frames(site_)) frames.push_back(std::move(reading));
       try_out(frames);
     }
+    try_without_poses();
     return best();
   }
 
@@ -148,11 +152,13 @@ class Search {
     return is_good(s) && stated_.loss - s.loss >= kGain && s.loss <= kFactor * stated_.loss;
   }
 
-  [[nodiscard]] ReadingScore score(const Reading& reading, const std::vector<MeasurementLog>& runs,
-                                   bool search_again) const {
-    if (!reading.log) return score_of(reading.site(site_), runs, options_, search_again);
-    std::vector<MeasurementLog> others = runs;
+  /// @param share  kFirstShare or kSecondShare
+  [[nodiscard]] ReadingScore score(const Reading& reading, const LogShare& share, bool search_again) const {
+    const std::vector<MeasurementLog>& part = &share == &kFirstShare ? first_ : second_;
+    if (!reading.log) return score_of(reading.site(site_), part, options_, search_again);
+    std::vector<MeasurementLog> others = reading.is_of_whole ? problem_.runs : part;
     for (std::size_t run = 0; run < others.size(); ++run) reading.log(run, others[run]);
+    if (reading.is_of_whole) others = few_of(others, site_, share);
     return score_of(reading.site ? reading.site(site_) : site_, others, options_, search_again);
   }
 
@@ -166,7 +172,7 @@ class Search {
   void try_out(const std::vector<Reading>& readings, bool plainly = false) {
     std::vector<std::pair<double, std::size_t>> ranking;
     for (std::size_t i = 0; i < readings.size() && !stopped(); ++i) {
-      const double loss = score(readings[i], first_, false).loss;
+      const double loss = score(readings[i], kFirstShare, false).loss;
       if (plainly ? loss < stated_first_.loss : loss < kWorthASecondTrial * stated_first_.loss)
         ranking.emplace_back(loss, i);
     }
@@ -180,9 +186,21 @@ class Search {
               [](const auto& a, const auto& b) { return a.second < b.second; });
     for (const auto& [loss, i] : ranking) {
       if (stopped()) return;
-      const ReadingScore s = score(readings[i], second_, true);
+      const ReadingScore s = score(readings[i], kSecondShare, true);
       if (explains(s) || (plainly && is_likelier(s))) found_.push_back({readings[i].what, s});
     }
+  }
+
+  /// Poses that fit in no way: where a reading of their frame, or of the receivers', explains as much, that
+  /// is it.
+  void try_without_poses() {
+    const std::size_t before = found_.size();
+    try_out(without_poses(problem_.runs));
+    if (found_.size() == before) return;
+    const double limit = found_.back().score.loss + kTie;
+    if (std::any_of(found_.begin(), found_.end() - 1,
+                    [limit](const ScoredReading& t) { return t.score.loss <= limit; }))
+      found_.pop_back();
   }
 
   /// Stops that no epoch column tells apart, or all under one number. What is chosen of the runs depends on
@@ -222,7 +240,7 @@ class Search {
     std::optional<ScoredReading> least;
     for (const Reading& reading : exchanged_points(site_)) {
       if (stopped()) return;
-      const ReadingScore s = score(reading, second_, true);
+      const ReadingScore s = score(reading, kSecondShare, true);
       if (is_likelier(s) && (!least || s.loss < least->score.loss)) least = {reading.what, s};
       if (least && explains_all(least->score)) break;
     }
@@ -234,6 +252,21 @@ class Search {
       if (score_of(released, second_, options_, true).loss < least->score.loss - kTie) least.reset();
     }
     if (least && !stopped()) found_.push_back(*least);
+  }
+
+  /// Receivers turned half round, and odometry that counts backward, are one: the site file is more often
+  /// wrong.
+  static void join_odometry_to_wiring(std::vector<Contradiction>& reported) {
+    const auto of_kind = [&](ContradictionKind kind) {
+      return std::find_if(reported.begin(), reported.end(),
+                          [kind](const Contradiction& c) { return c.kind == kind; });
+    };
+    const auto wiring = of_kind(ContradictionKind::kWiring), odometry = of_kind(ContradictionKind::kLog);
+    if (wiring == reported.end() || odometry == reported.end() ||
+        !odometry->subject.ends_with("odometry.csv"))
+      return;
+    wiring->remedy += fmt::format("; if these are right, of {}: {}", odometry->subject, odometry->remedy);
+    reported.erase(odometry);
   }
 
   /// The likeliest, and of other kinds those that are as likely; of one kind the first that is as good as
@@ -254,6 +287,7 @@ class Search {
       t.what.sigmas = std::sqrt(2 * t.score.arrivals * (stated_.loss - t.score.loss));
       reported.push_back(std::move(t.what));
     }
+    join_odometry_to_wiring(reported);
     return reported;
   }
 

@@ -20,6 +20,7 @@ std::vector<int> columns_of(const Statement& s, const ParameterLayout& layout) {
     case What::kReceiverDelay: add(layout.column_of(parameters::receiver_delay(s.index))); break;
     case What::kSiteDelay: add(layout.column_of(parameters::site_delay())); break;
     case What::kNoDelays:
+    case What::kOneDelay:
       for (std::size_t b = 0; b < layout.beacon.size(); ++b)
         add(layout.column_of(parameters::beacon_delay(b)));
       break;
@@ -57,6 +58,13 @@ std::vector<Statement> StatedSite::all() const {
   return stated;
 }
 
+std::optional<Statement> StatedSite::one_delay() const {
+  const Timing& timing = site().timing;
+  if (!timing.delay_per.site || timing.delay_per.beacon || timing.clock != Clock::kSynchronised)
+    return std::nullopt;
+  return Statement{What::kOneDelay, 0};
+}
+
 /// So wide that the data alone tell, and finite so that what they do not tell stays where it was.
 double StatedSite::wide_sigma(const Statement& s) const {
   switch (s.what) {
@@ -78,6 +86,8 @@ ParameterLayout StatedSite::layout_without(const std::vector<Statement>& release
       for (SiteBeacon& b : problem.site.beacons) b.delay_sigma_s.reset();
     }
   }
+  for (const Statement& s : released)
+    if (s.what == What::kOneDelay) problem.site.timing.delay_per.beacon = true;
   std::vector<std::size_t> distances;
   for (const Statement& s : released)
     if (s.what == What::kDistance) distances.push_back(s.index);
@@ -106,6 +116,8 @@ double StatedSite::value(const Statement& s, const ParameterLayout& layout, int 
       if (layout.beacon[s.index][i] == column) return *site().beacons[s.index].position_m[i];
   }
   const Parameter& p = layout.parameters[static_cast<std::size_t>(column)];
+  // The prior mean stands on the beacons then.
+  if (s.what == What::kOneDelay) return beacon_delay_prior(site(), p.id.owner).value / p.si_per_unit;
   // Where receivers or the site hold the delay, those of the beacons come on top of it.
   if (s.what == What::kNoDelays)
     return site().timing.delay_per.beacon ? beacon_delay_prior(site(), p.id.owner).value / p.si_per_unit

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -18,6 +19,7 @@ enum class What {
   kReceiverDelay,
   kSiteDelay,
   kNoDelays,
+  kOneDelay,  ///< of the site, for all beacons
   kSpeed,
   kReceiver,
   kAttenuation,
@@ -37,7 +39,7 @@ struct Statement {
 /// Whether a statement is held (a control point, no delay): it has no columns of its own until it is
 /// released.
 [[nodiscard]] inline bool is_held(const Statement& s) {
-  return s.what == What::kControlPoint || s.what == What::kNoDelays;
+  return s.what == What::kControlPoint || s.what == What::kNoDelays || s.what == What::kOneDelay;
 }
 
 /// What a site file states, as a calibration believes it.
@@ -55,6 +57,11 @@ class StatedSite {
 
   /// Everything that can be held against the data.
   [[nodiscard]] std::vector<Statement> all() const;
+
+  /// That one delay holds for all beacons, where that is stated. Real beacons differ by more than the
+  /// arrivals' noise tells, so that it is no test of its own: only what is blamed on another statement may be
+  /// this one's.
+  [[nodiscard]] std::optional<Statement> one_delay() const;
 
   /// A layout in which some statements are not believed.
   /// @param problem  out: with the site as it is believed then

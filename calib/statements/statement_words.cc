@@ -32,7 +32,8 @@ class StatementWords {
         describe_delay(receiver_name(s.index), timing_prior(), state.receiver_delay_s[s.index], c);
         break;
       case What::kSiteDelay: describe_delay("the site", timing_prior(), state.site_delay_s, c); break;
-      case What::kNoDelays: describe_delays(state, c); break;
+      case What::kNoDelays:
+      case What::kOneDelay: describe_delays(state, c); break;
       case What::kSpeed: describe_speed(s, c); break;
       case What::kReceiver: describe_receiver(s, state, c); break;
       case What::kAttenuation: describe_attenuation(s, c); break;
@@ -137,7 +138,9 @@ class StatementWords {
     c.subject = "all beacons";
     const bool own = std::any_of(stated_.site().beacons.begin(), stated_.site().beacons.end(),
                                  [](const SiteBeacon& b) { return b.delay_s.has_value(); });
-    c.stated = own               ? std::string("delays of the beacons, held fixed (delay_sigma_s: 0)")
+    const bool one = stated_.site().timing.delay_per.site && largest_delay_sigma_s(stated_.site()) > 0;
+    c.stated = one               ? std::string("one delay for all (timing.delay_per: site)")
+               : own             ? std::string("delays of the beacons, held fixed (delay_sigma_s: 0)")
                : stated_s == 0.0 ? std::string("no delay (timing.delay_per: none)")
                                  : "a delay of exactly " + time(stated_s);
     c.found = fmt::format("delays from {} to {}", time(least), time(most));

@@ -31,6 +31,9 @@ constexpr double kMatters = 0.2;
 /// Before anything is adjusted again.
 constexpr double kSuspectStatementSigmas = 4.0;
 constexpr double kMostlyLeftOut = 0.3;
+/// Half squares by which delays of the beacons' own have to explain more than the best single statement:
+/// there are more of them.
+constexpr double kPlainlyBetter = 16.0;
 constexpr std::size_t kMostSuspects = 8, kMostCulprits = 4;
 
 /// A difference of what was stated and what was found.
@@ -225,7 +228,21 @@ class StatementTest {
       c.sigmas = d.sigmas();
       best = std::move(c);
     }
+    if (best) prefer_one_delay(*best);
     return best;
+  }
+
+  /// Where beacons differ in their delays, one delay for all bends what it can reach, and a good control
+  /// point is the one to be blamed.
+  void prefer_one_delay(Culprit& best) const {
+    const std::optional<Statement> one_delay = stated_.one_delay();
+    if (!one_delay || is_released(*one_delay)) return;
+    Culprit c{*one_delay, released(*one_delay), 0.0};
+    if (!c.fit.ok || !(c.fit.cost + kPlainlyBetter < best.fit.cost)) return;
+    const Difference d = difference(*one_delay, c.fit);
+    if (!is_contradicted(d)) return;
+    c.sigmas = d.sigmas();
+    best = std::move(c);
   }
 
   [[nodiscard]] Fit released(const Statement& s) const {
@@ -264,6 +281,7 @@ class StatementTest {
     d.length_m = s.what == What::kSpeed         ? d.v.norm() * whole_.typical_range_m
                  : s.what == What::kAttenuation ? attenuation_length(s, fit, d)
                  : s.what == What::kNoDelays    ? d.v.cwiseAbs().maxCoeff()
+                 : s.what == What::kOneDelay    ? d.v.maxCoeff() - d.v.minCoeff()
                                                 : d.v.norm();
     return d;
   }

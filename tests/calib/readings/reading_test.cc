@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <set>
+#include <string>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -34,6 +36,63 @@ TEST(OtherRanging, IsNoneWhereEachEpochHasAClockOfItsOwn) {
   Site site = hall_site();
   site.timing.clock = Clock::kCycleOffset;
   EXPECT_TRUE(calib::other_ranging(site).empty());
+}
+
+// Each convention in which odometry may be written is read back by the reading that names it.
+TEST(OtherOdometry, ReadsEachConventionBack) {
+  MeasurementLog log;
+  for (int i = 0; i < 5; ++i)
+    log.odometry.push_back({0.1 * i, 0.02 + 0.001 * i, 0.003, -0.01 * i, VehicleId(0)});
+  const auto readings = calib::other_odometry({log});
+  ASSERT_EQ(readings.size(), 7U);
+  const std::tuple<const char*, double, double, double> written[] = {
+      {"turns count clockwise", 1.0, 1.0, -1.0},
+      {"way backward", -1.0, 1.0, 1.0},
+      {"y counts to the right", 1.0, -1.0, -1.0},
+      {"backward and turns", -1.0, 1.0, -1.0},
+      {"degrees", 1.0, 1.0, 180.0 / M_PI},
+      {"millimetres", 1e3, 1e3, 1.0},
+      {"centimetres", 1e2, 1e2, 1.0}};
+  for (std::size_t k = 0; k < readings.size(); ++k) {
+    const auto& [words, way, side, turn] = written[k];
+    EXPECT_NE(readings[k].what.found.find(words), std::string::npos) << readings[k].what.found;
+    EXPECT_TRUE(readings[k].is_of_whole) << "rows of another convention do not sum up";
+    MeasurementLog other = log;
+    for (OdometryStep& step : other.odometry) {
+      step.dx_m *= way;
+      step.dy_m *= side;
+      step.dheading_rad *= turn;
+    }
+    readings[k].log(0, other);
+    for (std::size_t i = 0; i < log.odometry.size(); ++i) {
+      EXPECT_NEAR(other.odometry[i].dx_m, log.odometry[i].dx_m, 1e-15) << words;
+      EXPECT_NEAR(other.odometry[i].dy_m, log.odometry[i].dy_m, 1e-15) << words;
+      EXPECT_NEAR(other.odometry[i].dheading_rad, log.odometry[i].dheading_rad, 1e-15) << words;
+    }
+  }
+}
+
+TEST(OtherOdometry, IsNoneWithoutOdometryOrInSpace) {
+  MeasurementLog log;
+  EXPECT_TRUE(calib::other_odometry({log}).empty());
+  OdometryStep up;
+  up.dz_m = 0.1;
+  log.odometry = {up};
+  EXPECT_TRUE(calib::other_odometry({log}).empty());
+}
+
+TEST(WithoutPoses, LeavesThoseOfDrives) {
+  MeasurementLog stops, drive;
+  stops.has_epochs = true;
+  stops.poses.resize(3);
+  drive.poses.resize(3);
+  EXPECT_TRUE(calib::without_poses({drive}).empty());
+  const auto readings = calib::without_poses({drive, stops});
+  ASSERT_EQ(readings.size(), 1U);
+  readings[0].log(0, drive);
+  readings[0].log(1, stops);
+  EXPECT_EQ(drive.poses.size(), 3U);
+  EXPECT_TRUE(stops.poses.empty());
 }
 
 TEST(OtherUnits, ScaleBeaconsReceiversOrBoth) {

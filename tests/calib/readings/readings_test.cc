@@ -262,6 +262,32 @@ TEST(Readings, NameAMirroredPoseFrame) {
   expect_left_handed_once_mirrored(world);
 }
 
+// In a way that no other reading has: without them all fits.
+TEST(Readings, NameMeasuredPosesThatFitInNoWay) {
+  Scenario s = hall_scenario();
+  s.path.epochs = 40;
+  s.log_poses = true;
+  World world = must(simulate(s, 2));
+  EXPECT_THAT(explained(world), IsEmpty()) << "as they are";
+  for (TimedPose& pose : world.run.poses)
+    std::swap(pose.T_map_vehicle.translation_m.x(), pose.T_map_vehicle.translation_m.y());
+  const auto found = explained(world);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].kind, ContradictionKind::kPoses);
+  EXPECT_THAT(found[0].found, HasSubstr("fit without them"));
+}
+
+TEST(Readings, NameOdometryThatTurnsClockwise) {
+  World world = must(simulate(drive_scenario(), 5));
+  EXPECT_THAT(explained(world), IsEmpty()) << "as it is";
+  for (OdometryStep& step : world.run.odometry) step.dheading_rad = -step.dheading_rad;
+  const auto found = explained(world);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].kind, ContradictionKind::kLog);
+  EXPECT_THAT(found[0].subject, HasSubstr("odometry.csv"));
+  EXPECT_THAT(found[0].found, HasSubstr("clockwise"));
+}
+
 /// Where the poses alone carry the map, everything agrees with a mirrored frame to a noise sixty times too
 /// large.
 TEST(Readings, NameAMirroredPoseFrameWhereNoBeaconIsKnown) {

@@ -107,6 +107,36 @@ TEST(Statements, ADelayBlockThatIsMissingIsNamed) {
   EXPECT_THAT(c.remedy, HasSubstr("delay_per"));
 }
 
+// Beacons that differ in their delays got a good control point blamed.
+TEST(Statements, OneDelayForAllIsNamedWhereBeaconsDiffer) {
+  int named = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Scenario s = sixty_stops();
+    s.true_delay_s = {0.0, 2e-4};
+    World world = must(simulate(s, seed));
+    world.site.timing.delay_per = {.site = true};
+    const calib::Solution solution = solution_of(world);
+    for (const Contradiction& c : solution.contradictions) {
+      EXPECT_EQ(c.kind, ContradictionKind::kDelay) << "seed " << seed << ": " << in_words(c);
+      EXPECT_THAT(c.remedy, HasSubstr("timing.delay_per: beacon"));
+    }
+    named += solution.contradictions.size() == 1 ? 1 : 0;
+  }
+  EXPECT_GE(named, 5);
+}
+
+// One delay, and a control point that is off: the point is to be blamed.
+TEST(Statements, OneDelayForAllIsNotBlamedForAControlPoint) {
+  Scenario s = sixty_stops();
+  s.true_delay_s = {1e-4, 1e-4};
+  World world = must(simulate(s, 3));
+  world.site.timing.delay_per = {.site = true};
+  *world.site.beacons[3].position_m[0] += 0.1;
+  const Contradiction c = only(solution_of(world));
+  EXPECT_EQ(c.kind, ContradictionKind::kControlPoint);
+  EXPECT_EQ(c.subject, "B3");
+}
+
 TEST(Statements, ADelayFarFromItsPriorIsNamed) {
   Scenario s = sixty_stops();
   s.true_delay_s = {9e-5, 1.1e-4};
