@@ -191,15 +191,16 @@ class Search {
     }
   }
 
-  /// Poses that fit in no way: where a reading of their frame, or of the receivers', explains as much, that
-  /// is it.
+  /// Poses that fit in no way: where a reading of their frame, or of the receivers', lets about as many
+  /// arrivals agree, that is it.
   void try_without_poses() {
+    constexpr double kAboutAsMany = 0.1;
     const std::size_t before = found_.size();
     try_out(without_poses(problem_.runs));
     if (found_.size() == before) return;
-    const double limit = found_.back().score.loss + kTie;
+    const double agreeing = found_.back().score.agreeing - kAboutAsMany;
     if (std::any_of(found_.begin(), found_.end() - 1,
-                    [limit](const ScoredReading& t) { return t.score.loss <= limit; }))
+                    [agreeing](const ScoredReading& t) { return t.score.agreeing >= agreeing; }))
       found_.pop_back();
   }
 
@@ -288,6 +289,11 @@ class Search {
       reported.push_back(std::move(t.what));
     }
     join_odometry_to_wiring(reported);
+    // What the ranges do not tell apart is no two things to be done.
+    for (std::size_t i = 1; i < reported.size(); ++i) {
+      reported[i].found += "; this or what stands before it is so, not both";
+      reported[i].remedy = "or else " + reported[i].remedy;
+    }
     return reported;
   }
 

@@ -21,10 +21,14 @@ std::vector<int> columns_of(const Statement& s, const ParameterLayout& layout) {
     case What::kSiteDelay: add(layout.column_of(parameters::site_delay())); break;
     case What::kNoDelays:
     case What::kOneDelay:
+    case What::kDelays:
       for (std::size_t b = 0; b < layout.beacon.size(); ++b)
         add(layout.column_of(parameters::beacon_delay(b)));
       break;
     case What::kSpeed: add(layout.speed[s.index]); break;
+    case What::kHeldSpeed:
+      for (const int c : layout.speed) add(c);
+      break;
     case What::kReceiver:
       for (const int c : layout.receiver[s.index]) add(c);
       break;
@@ -58,22 +62,29 @@ std::vector<Statement> StatedSite::all() const {
   return stated;
 }
 
-std::optional<Statement> StatedSite::one_delay() const {
+std::vector<Statement> StatedSite::common_causes() const {
+  std::vector<Statement> causes;
   const Timing& timing = site().timing;
-  if (!timing.delay_per.site || timing.delay_per.beacon || timing.clock != Clock::kSynchronised)
-    return std::nullopt;
-  return Statement{What::kOneDelay, 0};
+  const bool has_delays = timing.clock == Clock::kSynchronised && largest_delay_sigma_s(site()) > 0;
+  if (has_delays && timing.delay_per.beacon) causes.push_back({What::kDelays, 0});
+  if (has_delays && timing.delay_per.site && !timing.delay_per.beacon) causes.push_back({What::kOneDelay, 0});
+  if (layout_.speed.empty()) causes.push_back({What::kHeldSpeed, 0});
+  return causes;
 }
 
 /// So wide that the data alone tell, and finite so that what they do not tell stays where it was.
 double StatedSite::wide_sigma(const Statement& s) const {
   switch (s.what) {
-    case What::kSpeed: return 0.3;
+    case What::kSpeed:
+    case What::kHeldSpeed: return 0.3;
     case What::kReceiver: return 1.0;
     case What::kAttenuation: return 10.0;
     default: return problem_.typical_range_m;
   }
 }
+
+/// Any; the prior is widened afterwards.
+constexpr double kReleasedSpeed_mps = 30.0;
 
 ParameterLayout StatedSite::layout_without(const std::vector<Statement>& released, const SharedState& state,
                                            Problem& problem) const {
@@ -87,7 +98,11 @@ ParameterLayout StatedSite::layout_without(const std::vector<Statement>& release
     }
   }
   for (const Statement& s : released)
-    if (s.what == What::kOneDelay) problem.site.timing.delay_per.beacon = true;
+    if (s.what == What::kOneDelay) {
+      problem.site.timing.delay_per.beacon = true;
+    } else if (s.what == What::kHeldSpeed) {
+      problem.site.speed_sigma_mps = kReleasedSpeed_mps;
+    }
   std::vector<std::size_t> distances;
   for (const Statement& s : released)
     if (s.what == What::kDistance) distances.push_back(s.index);

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -19,7 +18,9 @@ enum class What {
   kReceiverDelay,
   kSiteDelay,
   kNoDelays,
-  kOneDelay,  ///< of the site, for all beacons
+  kOneDelay,   ///< of the site, for all beacons
+  kDelays,     ///< those of all beacons together, each with a prior
+  kHeldSpeed,  ///< the medium's, exactly
   kSpeed,
   kReceiver,
   kAttenuation,
@@ -39,7 +40,8 @@ struct Statement {
 /// Whether a statement is held (a control point, no delay): it has no columns of its own until it is
 /// released.
 [[nodiscard]] inline bool is_held(const Statement& s) {
-  return s.what == What::kControlPoint || s.what == What::kNoDelays || s.what == What::kOneDelay;
+  return s.what == What::kControlPoint || s.what == What::kNoDelays || s.what == What::kOneDelay ||
+         s.what == What::kHeldSpeed;
 }
 
 /// What a site file states, as a calibration believes it.
@@ -58,10 +60,11 @@ class StatedSite {
   /// Everything that can be held against the data.
   [[nodiscard]] std::vector<Statement> all() const;
 
-  /// That one delay holds for all beacons, where that is stated. Real beacons differ by more than the
-  /// arrivals' noise tells, so that it is no test of its own: only what is blamed on another statement may be
-  /// this one's.
-  [[nodiscard]] std::optional<Statement> one_delay() const;
+  /// What bends everything else a little where it is wrong, so that single good statements are blamed for it:
+  /// one delay for all beacons, their delays together, a speed that is held. No tests of their own, as real
+  /// beacons differ by more than the arrivals' noise tells: only what is blamed on another statement may be
+  /// one of these.
+  [[nodiscard]] std::vector<Statement> common_causes() const;
 
   /// A layout in which some statements are not believed.
   /// @param problem  out: with the site as it is believed then

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -33,7 +34,9 @@ class StatementWords {
         break;
       case What::kSiteDelay: describe_delay("the site", timing_prior(), state.site_delay_s, c); break;
       case What::kNoDelays:
-      case What::kOneDelay: describe_delays(state, c); break;
+      case What::kOneDelay:
+      case What::kDelays: describe_delays(state, c); break;
+      case What::kHeldSpeed:
       case What::kSpeed: describe_speed(s, c); break;
       case What::kReceiver: describe_receiver(s, state, c); break;
       case What::kAttenuation: describe_attenuation(s, c); break;
@@ -70,6 +73,47 @@ class StatementWords {
         found.erase(found.begin() + static_cast<std::ptrdiff_t>(j));
         return;
       }
+  }
+
+  /// All control points of a planar site by as much too high, or too low.
+  void join_heights(const std::vector<Statement>& culprits, std::vector<Contradiction>& found) const {
+    constexpr std::size_t kFewest = 3;
+    constexpr double kAlike = 0.15, kDistances = 0.25;  ///< of that height
+    const Site& site = stated_.site();
+    const auto points = std::count_if(site.beacons.begin(), site.beacons.end(),
+                                      [](const SiteBeacon& b) { return b.is_control_point(); });
+    if (site.motion != Motion::kPlanar || culprits.size() < kFewest ||
+        culprits.size() != static_cast<std::size_t>(points) ||
+        std::any_of(culprits.begin(), culprits.end(),
+                    [](const Statement& s) { return s.what != What::kControlPoint; }))
+      return;
+    const SharedState state = fit_.state();
+    std::vector<Eigen::Vector3d> here, there;
+    double higher_m = 0.0;
+    std::string names;
+    for (const Statement& s : culprits) {
+      const SiteBeacon& b = site.beacons[s.index];
+      here.emplace_back(*b.position_m[0], *b.position_m[1], *b.position_m[2]);
+      there.push_back(on_stated_side(here.back(), state.beacon_p_map_m[s.index]));
+      higher_m += (there.back() - here.back()).z() / static_cast<double>(culprits.size());
+      names += (names.empty() ? "" : ", ") + b.name;
+    }
+    for (std::size_t i = 0; i < here.size(); ++i) {
+      const double off_m = (there[i] - here[i]).z() - higher_m,
+                   distance_m = (there[i] - there[0]).head<2>().norm() - (here[i] - here[0]).head<2>().norm();
+      if (std::abs(off_m) > kAlike * std::abs(higher_m) ||
+          std::abs(distance_m) > kDistances * std::abs(higher_m))
+        return;
+    }
+    Contradiction& c = found.front();
+    c.subject = names;
+    c.stated = "at their heights, held fixed";
+    c.found = fmt::format("all {} {} than stated, as far from each other as stated",
+                          length(std::abs(higher_m)), higher_m > 0 ? "higher" : "lower");
+    c.remedy =
+        "check from where heights count: z = 0 is the floor on which the vehicle stands, for beacons and for "
+        "receivers";
+    found.resize(1);
   }
 
  private:
@@ -133,18 +177,23 @@ class StatementWords {
       least = std::min(least, held_s + state.beacon_delay_s[b]);
       most = std::max(most, held_s + state.beacon_delay_s[b]);
     }
-    const double stated_s = stated_.site().timing.delay_s;
+    const Timing& timing = stated_.site().timing;
+    const double stated_s = timing.delay_s, sigma_s = largest_delay_sigma_s(stated_.site());
+    const bool each = timing.delay_per.beacon && sigma_s > 0,
+               one = !each && timing.delay_per.site && sigma_s > 0;
     c.kind = ContradictionKind::kDelay;
     c.subject = "all beacons";
     const bool own = std::any_of(stated_.site().beacons.begin(), stated_.site().beacons.end(),
                                  [](const SiteBeacon& b) { return b.delay_s.has_value(); });
-    const bool one = stated_.site().timing.delay_per.site && largest_delay_sigma_s(stated_.site()) > 0;
-    c.stated = one               ? std::string("one delay for all (timing.delay_per: site)")
+    c.stated = each              ? fmt::format("delays of the beacons, sigma {}", time(sigma_s))
+               : one             ? std::string("one delay for all (timing.delay_per: site)")
                : own             ? std::string("delays of the beacons, held fixed (delay_sigma_s: 0)")
                : stated_s == 0.0 ? std::string("no delay (timing.delay_per: none)")
                                  : "a delay of exactly " + time(stated_s);
     c.found = fmt::format("delays from {} to {}", time(least), time(most));
     c.remedy = "state the delay in the site file: timing.delay_per: beacon, with delay_s and delay_sigma_s";
+    if (each)
+      c.remedy = "state the delays as they are known: timing.delay_s, or a larger timing.delay_sigma_s";
   }
 
   void describe_speed(const Statement& s, Contradiction& c) const {
@@ -168,7 +217,9 @@ class StatementWords {
     const bool has_temperature = medium.model != MediumModel::kConstant;
     c.kind = ContradictionKind::kSpeed;
     c.subject = stated_.layout().speed.size() > 1 ? fmt::format("in run {}", s.index + 1) : "";
-    c.stated = fmt::format("{:.2f} m/s, sigma {:.2g} m/s", model, stated_.site().speed_sigma_mps) +
+    const double sigma_mps = stated_.site().speed_sigma_mps;
+    c.stated = fmt::format("{:.2f} m/s, {}", model,
+                           sigma_mps > 0 ? fmt::format("sigma {:.2g} m/s", sigma_mps) : "held fixed") +
                (has_temperature ? fmt::format(", at {:.1f} degC", degC) : "");
     c.found = fmt::format("{:.2f} m/s", model + offset);
     c.remedy = "check medium.speed_mps, or state a larger medium.sigma_mps";
@@ -239,6 +290,7 @@ std::vector<Contradiction> in_words(const StatedSite& stated, const Fit& fit,
   for (std::size_t i = 0; i < culprits.size(); ++i)
     found.push_back(words.contradiction(culprits[i], sigmas[i]));
   words.join_exchanged(culprits, found);
+  if (found.size() == culprits.size()) words.join_heights(culprits, found);
   return found;
 }
 

@@ -228,18 +228,17 @@ class StatementTest {
       c.sigmas = d.sigmas();
       best = std::move(c);
     }
-    if (best) prefer_one_delay(*best);
+    if (best)
+      for (const Statement& cause : stated_.common_causes()) prefer_cause(cause, *best);
     return best;
   }
 
-  /// Where beacons differ in their delays, one delay for all bends what it can reach, and a good control
-  /// point is the one to be blamed.
-  void prefer_one_delay(Culprit& best) const {
-    const std::optional<Statement> one_delay = stated_.one_delay();
-    if (!one_delay || is_released(*one_delay)) return;
-    Culprit c{*one_delay, released(*one_delay), 0.0};
+  /// A wrong delay or speed of all bends what it can reach, and a good control point is the one to be blamed.
+  void prefer_cause(const Statement& cause, Culprit& best) const {
+    if (is_released(cause)) return;
+    Culprit c{cause, released(cause), 0.0};
     if (!c.fit.ok || !(c.fit.cost + kPlainlyBetter < best.fit.cost)) return;
-    const Difference d = difference(*one_delay, c.fit);
+    const Difference d = difference(cause, c.fit);
     if (!is_contradicted(d)) return;
     c.sigmas = d.sigmas();
     best = std::move(c);
@@ -278,11 +277,12 @@ class StatementTest {
       d.v[row] = fit.x[columns[i]] - stated_.value(s, fit.layout, columns[i]);
       d.covariance(row, row) += std::pow(stated_.sigma(s, fit.layout, columns[i]), 2);
     }
-    d.length_m = s.what == What::kSpeed         ? d.v.norm() * whole_.typical_range_m
-                 : s.what == What::kAttenuation ? attenuation_length(s, fit, d)
-                 : s.what == What::kNoDelays    ? d.v.cwiseAbs().maxCoeff()
-                 : s.what == What::kOneDelay    ? d.v.maxCoeff() - d.v.minCoeff()
-                                                : d.v.norm();
+    d.length_m = s.what == What::kSpeed || s.what == What::kHeldSpeed ? d.v.norm() * whole_.typical_range_m
+                 : s.what == What::kAttenuation                       ? attenuation_length(s, fit, d)
+                 : s.what == What::kNoDelays                          ? d.v.cwiseAbs().maxCoeff()
+                 : s.what == What::kOneDelay                          ? d.v.maxCoeff() - d.v.minCoeff()
+                 : s.what == What::kDelays                            ? d.v.cwiseAbs().maxCoeff()
+                                                                      : d.v.norm();
     return d;
   }
 

@@ -3,7 +3,6 @@
 // What the user stated against what the data say, and the recording against itself.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <random>
 
@@ -135,6 +134,43 @@ TEST(Statements, OneDelayForAllIsNotBlamedForAControlPoint) {
   const Contradiction c = only(solution_of(world));
   EXPECT_EQ(c.kind, ContradictionKind::kControlPoint);
   EXPECT_EQ(c.subject, "B3");
+}
+
+// Control points were blamed for the air.
+TEST(Statements, ASpeedThatIsHeldAndWrongIsNamed) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Scenario s = sixty_stops();
+    s.true_speed_offset_mps.reset();
+    s.true_temperature_offset_degC = 10.0;
+    World world = must(simulate(s, seed));
+    world.site.speed_sigma_mps = 0.0;
+    const Contradiction c = only(solution_of(world));
+    EXPECT_EQ(c.kind, ContradictionKind::kSpeed) << in_words(c);
+    EXPECT_THAT(c.stated, HasSubstr("held fixed"));
+  }
+}
+
+TEST(Statements, DelaysThatAreOffTogetherAreNamedTogether) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    Scenario s = sixty_stops();
+    s.true_delay_s = {2e-5, 2e-4};
+    World world = must(simulate(s, seed));
+    world.site.timing.delay_s = 0.0;
+    world.site.timing.delay_sigma_s = 1e-6;
+    const Contradiction c = only(solution_of(world));
+    EXPECT_EQ(c.kind, ContradictionKind::kDelay) << in_words(c);
+    EXPECT_EQ(c.subject, "all beacons");
+    EXPECT_THAT(c.remedy, HasSubstr("delay_sigma_s"));
+  }
+}
+
+TEST(Statements, HeightsThatCountFromElsewhereAreOneContradiction) {
+  World world = must(simulate(sixty_stops(), 3));
+  for (SiteBeacon& b : world.site.beacons) *b.position_m[2] += 0.5;
+  const Contradiction c = only(solution_of(world));
+  EXPECT_EQ(c.kind, ContradictionKind::kControlPoint);
+  EXPECT_THAT(c.found, HasSubstr("lower than stated"));
+  EXPECT_THAT(c.remedy, HasSubstr("z = 0 is the floor"));
 }
 
 TEST(Statements, ADelayFarFromItsPriorIsNamed) {
