@@ -191,6 +191,7 @@ void look_at_floor(const SurveyModel& model, const KernelModel& kernel, const Ca
   const std::size_t cells = survey.grid.cells.size(), tiles = (cells + kTilePoses - 1) / kTilePoses;
   const int threads = std::max(1, options.threads);
   std::vector<std::unique_ptr<FloorMapTask>> workers;
+  workers.reserve(static_cast<std::size_t>(threads));
   for (int t = 0; t < threads; ++t)
     workers.push_back(
         std::make_unique<FloorMapTask>(model, kernel, survey, calibration, options, options.failures));
