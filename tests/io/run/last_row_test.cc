@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/run/last_row.h"
 
+#include <algorithm>
+
 #include "io/run/run_folder.h"
 #include "io/run/run_stream.h"
 #include "tests/io/io_support.h"
@@ -48,6 +50,12 @@ TEST(LastRow, IsLeftOutWhereverItIsCut) {
   const std::string text = log_of(40), whole = log_of(39);
   for (std::size_t size = whole.size() + 1; size + 1 < text.size(); ++size) {
     const Kept cut = kept(text.substr(0, size));
+    const std::string row = text.substr(whole.size(), size - whole.size());
+    if (std::count(row.begin(), row.end(), ',') < 2) {
+      EXPECT_EQ(cut.text, text.substr(0, size)) << "a row of too few fields is refused by its reader";
+      EXPECT_THAT(cut.warnings, IsEmpty());
+      continue;
+    }
     EXPECT_EQ(cut.text, whole) << text.substr(whole.size(), size - whole.size());
     EXPECT_THAT(cut.warnings, ElementsAre(AllOf(HasSubstr("tof.csv:41: the last row is cut off: it "),
                                                 HasSubstr("it is left out: copy the file again"))));
@@ -91,7 +99,7 @@ TEST(LastRow, OfOtherKindsOfColumns) {
   EXPECT_EQ(kept("b,n\n" + counts + "B0,10").text, "b,n\n" + counts);
   EXPECT_EQ(kept("b,t\n" + missing + "B0,0.01").text, "b,t\n" + missing);
   EXPECT_EQ(kept("b,t\n" + missing + "B0,nan").text, "b,t\n" + missing + "B0,nan");
-  EXPECT_EQ(kept(poses + "20 1.25 2.5 0 0 0 0.6", "poses.tum").text, poses);
+  EXPECT_EQ(kept(poses + "20 1.25 2.5 0 0 0 0.6", "poses.tum").text, poses + "20 1.25 2.5 0 0 0 0.6");
   EXPECT_EQ(kept(poses + "20 1.25 2.5 0 0 0 0.6 0.", "poses.tum").text, poses);
   EXPECT_EQ(kept(poses + "20 1.25 2.5 0 0 0 0.6 0.8", "poses.tum").text, poses + "20 1.25 2.5 0 0 0 0.6 0.8");
 }

@@ -137,7 +137,7 @@ TEST(RunFolder, SaysWhatIsWrongWithArrivals) {
       {kPlain + "x,B0,0.01\n", 2, "tof.csv:2:1: time_s is 'x'"},
       {kPlain + "nan,B0,0.01\n", 2, "time_s is 'nan'; expected a finite"},
       {kPlain + "1,B0,0.01\n2,B0,0.01\n1.5,B0,0.01\n", 4, "time_s goes back from 2 to 1.5"},
-      {kPlain + "1,B0,0.01\n2,B\n", 3, "cut off"},
+      {kPlain + "1,B0,0.01\n2,B", 3, "cut off"},
       {kPlain + "1,B0,nan\n", 2, "no arrival is left"},
       {kPlain + "1,B0,0.01\n1,B\xFF,0.01\n", 3, "0xFF"},
       {epochs + "1,B0,0.01,1.5\n", 2, "epoch is '1.5'; expected a whole number"},

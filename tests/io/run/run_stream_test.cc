@@ -94,7 +94,7 @@ TEST(RunStream, SaysWhatReadRunSays) {
   for (const auto& [name, text] :
        {Bad{"tof.csv", ""}, Bad{"tof.csv", kHeader}, Bad{"tof.csv", kHeader + "1,B0,nan,b,1,\n"},
         Bad{"tof.csv", "time_s\n"}, Bad{"tof.csv", kHeader + rows(3000) + "5,B0,0.01,b,9999,20\n"},
-        Bad{"tof.csv", kHeader + rows(30) + "x\n"}, Bad{"run.yaml", "octant_run: 1\n"},
+        Bad{"tof.csv", kHeader + rows(30) + "x"}, Bad{"run.yaml", "octant_run: 1\n"},
         Bad{"bearings.csv", "x\n"}}) {
     const TemporaryFolder folder;
     folder.write("run/" + name, text);
