@@ -39,7 +39,8 @@ struct Changes {
   std::vector<Change> found;     ///< what is held to be changed: beacons, delays, receivers, speed, datum
   double limit_p = kFalseAlarm;  ///< of each test
   std::vector<std::string>
-      doubted_control_points;  ///< held where they were stated, and their delays changed beyond chance
+      doubted_control_points;       ///< held where they were stated, and their delays changed beyond chance
+  std::vector<std::string> silent;  ///< beacons and receivers of which a visit should have heard, and did not
   std::optional<double> speed_change_mps;  ///< at the new one's reference temperature
   double speed_sigma_mps = 0.0;
 };

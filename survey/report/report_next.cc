@@ -172,7 +172,18 @@ std::vector<std::string> next_steps(const ReportInput& input) {
           names(doubted)));
     if (!moved.empty())
       steps.push_back(fmt::format("Look at {} on site: moved since the earlier deployment.", names(moved)));
-    if (!delayed.empty())
+    if (!input.changes->silent.empty())
+      steps.push_back(fmt::format("Look at {} on site: nothing was heard of {} at this visit.",
+                                  names(input.changes->silent),
+                                  input.changes->silent.size() == 1 ? "it" : "them"));
+    const bool all_later = std::any_of(input.changes->found.begin(), input.changes->found.end(),
+                                       [](const Change& c) { return c.subject == kAllBeaconsSubject; });
+    if (all_later)
+      steps.emplace_back(
+          "Look at the vehicle's electronics and the synchronisation: all delays differ by the same from "
+          "those of the "
+          "earlier deployment.");
+    if (!delayed.empty() && !all_later)
       steps.push_back(fmt::format(
           "Look at {} on site: another delay than in the earlier deployment, as of another device.",
           names(delayed)));

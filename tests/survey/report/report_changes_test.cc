@@ -133,5 +133,19 @@ TEST(ReportChanges, TellWhatToLookAtOnSite) {
   EXPECT_THAT(steps, Not(Contains(HasSubstr("B3")))) << "nothing is said of it";
 }
 
+TEST(ReportChanges, TellWhatIsSilentAndWhatAllDelaysShare) {
+  auto beacons = std::vector{change("B1", 0.0, 1e-9), change("B2", 0.0, 1e-9)};
+  for (BeaconChange& c : beacons) c.delay_significant = true;
+  ReportInput input = with_changes(beacons);
+  input.changes->silent = {"B4", "robot/r2"};
+  input.changes->found.emplace_back();
+  input.changes->found[0].kind = ChangeKind::kDelay;
+  input.changes->found[0].subject = kAllBeaconsSubject;
+  const auto steps = next_steps(input);
+  EXPECT_THAT(steps, Contains("Look at B4, robot/r2 on site: nothing was heard of them at this visit."));
+  EXPECT_THAT(steps, Contains(HasSubstr("the vehicle's electronics")));
+  EXPECT_THAT(steps, Not(Contains(HasSubstr("B1")))) << "each beacon is as it was";
+}
+
 }  // namespace
 }  // namespace octant::survey
