@@ -39,10 +39,10 @@ struct Changes {
   std::vector<Change> found;     ///< what is held to be changed: beacons, delays, receivers, speed, datum
   double limit_p = kFalseAlarm;  ///< of each test
   std::vector<std::string>
-      doubted_control_points;       ///< held where they were stated, and their delays changed beyond chance
-  std::vector<std::string> silent;  ///< beacons and receivers of which a visit should have heard, and did not
+      doubted_control_points;  ///< held where they were stated, and their delays changed beyond chance
   std::optional<double> speed_change_mps;  ///< at the new one's reference temperature
   double speed_sigma_mps = 0.0;
+  std::vector<std::string> silent;  ///< beacons and receivers of which a visit should have heard, and did not
 };
 
 /// What is held to be changed is told by all that both know together, free of the datum and with the drift
