@@ -79,7 +79,9 @@ class Search {
               is_blamed(ContradictionKind::kSpeed));
     // A wrong frame of short lever arms, or odometry that counts backward, looks much like receivers in
     // another unit: all have their turn.
-    const std::vector<Reading> odometry = other_odometry(problem_.runs);
+    const bool explained = std::any_of(found_.begin(), found_.end(),
+                                       [](const ScoredReading& t) { return explains_all(t.score); });
+    const std::vector<Reading> odometry = explained ? std::vector<Reading>() : other_odometry(problem_.runs);
     try_out(odometry);
     std::vector<Reading> frames = other_pose_frames(problem_.runs);
     if (nothing_but_exchanges() || !frames.empty() || !odometry.empty()) {

@@ -8,6 +8,7 @@
 #include "calib/problem/log_totals.h"
 #include "calib/problem/ranges.h"
 #include "calib/problem/trilaterate.h"
+#include "calib/verdict/hearing_pairs.h"
 
 namespace octant::calib {
 namespace {
@@ -76,21 +77,12 @@ struct HearingPair {
 std::vector<HearingPair> hearing_pairs(const Deployment& before,
                                        const std::vector<Trajectory>& trajectories) {
   std::vector<HearingPair> pairs;
-  std::vector<bool> heard(before.beacons.size());
-  for (const Trajectory& t : trajectories) {
-    std::size_t a = 0;
-    for (std::size_t n = 0; n < t.nodes.size(); ++n) {
-      std::fill(heard.begin(), heard.end(), false);
-      bool any = false;
-      for (; a < t.arrivals.size() && t.arrivals[a].node <= n; ++a)
-        if (t.arrivals[a].node == n) heard[t.arrivals[a].beacon.index()] = any = true;
-      if (!any || !t.nodes[n].placed) continue;
-      for (std::size_t b = 0; b < heard.size(); ++b)
-        if (before.beacons[b].status != BeaconStatus::kUndetermined)
-          pairs.push_back(
-              {b, (before.beacons[b].position_m - t.nodes[n].T_map_vehicle.translation_m).norm(), heard[b]});
-    }
-  }
+  for (const Trajectory& t : trajectories)
+    for_each_hearing_pair(
+        t, before.beacons, 1, [](const ArrivalObservation&) { return true; },
+        [&](std::size_t b, double distance_m, bool heard) {
+          pairs.push_back({b, distance_m, heard});
+        });
   return pairs;
 }
 

@@ -6,33 +6,13 @@
 #include <cstddef>
 
 #include "calib/problem/ranges.h"
+#include "calib/verdict/hearing_pairs.h"
 
 namespace octant::calib {
 namespace {
 
 /// Evenly spread pairs of a long log tell as much as all of them.
 constexpr std::size_t kMostPairs = 2'000'000;
-
-/// Goes through the pairs of a state of the vehicle, every `stride`-th, and a beacon.
-/// @param take  how far apart they are [m], and whether an arrival was used between them
-template <class Take>
-void for_each_pair(const Trajectory& t, const std::vector<DeploymentBeacon>& beacons, std::size_t stride,
-                   const Take& take) {
-  std::vector<bool> heard(beacons.size());
-  std::size_t a = 0;
-  for (std::size_t n = 0; n < t.nodes.size(); ++n) {
-    while (a < t.arrivals.size() && t.arrivals[a].node < n) ++a;
-    if (n % stride != 0 || !t.nodes[n].placed) continue;
-    std::fill(heard.begin(), heard.end(), false);
-    bool any = false;
-    for (; a < t.arrivals.size() && t.arrivals[a].node == n; ++a)
-      if (t.arrivals[a].rejection == Rejection::kUsed) heard[t.arrivals[a].beacon.index()] = any = true;
-    if (!any) continue;  // nothing was recorded there
-    for (std::size_t b = 0; b < beacons.size(); ++b)
-      if (beacons[b].status != BeaconStatus::kUndetermined && beacons[b].position_m.allFinite())
-        take((beacons[b].position_m - t.nodes[n].T_map_vehicle.translation_m).norm(), heard[b]);
-  }
-}
 
 }  // namespace
 
@@ -43,17 +23,19 @@ std::optional<double> heard_reach_m(const std::vector<Trajectory>& trajectories,
   std::size_t all = 0;
   for (const Trajectory& t : trajectories) all += t.nodes.size() * beacons.size();
   const auto for_all_pairs = [&](const auto& take) {
-    for (const Trajectory& t : trajectories) for_each_pair(t, beacons, all / kMostPairs + 1, take);
+    const auto is_used = [](const ArrivalObservation& a) { return a.rejection == Rejection::kUsed; };
+    for (const Trajectory& t : trajectories)
+      for_each_hearing_pair(t, beacons, all / kMostPairs + 1, is_used, take);
   };
   std::vector<double> heard_m;
-  for_all_pairs([&](double distance_m, bool heard) {
+  for_all_pairs([&](std::size_t, double distance_m, bool heard) {
     if (heard) heard_m.push_back(distance_m);
   });
   if (heard_m.size() < kEnoughHeard) return {};
   const auto strays = static_cast<std::size_t>(kStrays * static_cast<double>(heard_m.size()));
   const double reach_m = nth_smallest(heard_m, heard_m.size() - 1 - strays);
   double within = 0, within_heard = 0, beyond = 0, beyond_heard = 0;
-  for_all_pairs([&](double distance_m, bool heard) {
+  for_all_pairs([&](std::size_t, double distance_m, bool heard) {
     (distance_m <= reach_m ? within : beyond) += 1;
     if (heard) (distance_m <= reach_m ? within_heard : beyond_heard) += 1;
   });

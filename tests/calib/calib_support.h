@@ -21,6 +21,16 @@ inline calib::Solution solution_of(const World& world, const calib::SolveOptions
   return calib::solve(problem_of(world), options);
 }
 
+/// One receiver without an axis in place of all.
+inline void keep_one_receiver(Site& site, const Eigen::Vector3d& p_vehicle_m, double sigma_m = 0.0) {
+  site.receivers.resize(1);
+  site.receivers[0].position_m = p_vehicle_m;
+  site.receivers[0].sigma_m.setConstant(sigma_m);
+  site.receivers[0].axis.reset();
+  site.vehicles[0].receiver_count = 1;
+  site.vehicles[0].array.reset();
+}
+
 /// Largest distance of a calibrated beacon from the truth [m].
 inline double worst_beacon_m(const World& world, const calib::Solution& solution) {
   double worst = 0.0;

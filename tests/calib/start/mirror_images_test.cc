@@ -24,12 +24,7 @@ using testing::HasSubstr;
 /// heights are known.
 Scenario straight_line(bool bearings) {
   Scenario s = hall_scenario();
-  s.site.receivers.resize(1);
-  s.site.receivers[0].position_m = {0.0, 0.0, 0.4};
-  s.site.receivers[0].sigma_m.setZero();
-  s.site.receivers[0].axis.reset();
-  s.site.vehicles[0].receiver_count = 1;
-  s.site.vehicles[0].array.reset();
+  keep_one_receiver(s.site, {0.0, 0.0, 0.4});
   s.site.noise.bearing_sigma_rad = 0.01;
   for (SiteBeacon& b : s.site.beacons)
     if (!b.is_control_point()) b.sigma_m = {std::nullopt, std::nullopt, 0.01};
@@ -357,12 +352,7 @@ TEST(Headings, ThatNothingHearsCostNoRedundancy) {
 TEST(Headings, AReceiverOffTheOriginWithoutHeadingsIsWhereTheVehicleStands) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     Scenario s = hall_scenario();
-    s.site.receivers.resize(1);
-    s.site.receivers[0].position_m = {0.2, 0.0, 0.4};
-    s.site.receivers[0].sigma_m.setConstant(0.001);
-    s.site.receivers[0].axis.reset();
-    s.site.vehicles[0].receiver_count = 1;
-    s.site.vehicles[0].array.reset();
+    keep_one_receiver(s.site, {0.2, 0.0, 0.4}, 0.001);
     s.hearing_half_angle_rad = 3.2;
     s.range_m = 40.0;
     s.path.epochs = 30;

@@ -17,12 +17,7 @@ using ::testing::Not;
 /// One receiver on the origin stops among beacons that are all held.
 World world_of(std::vector<Eigen::Vector3d> beacons_m, std::uint64_t seed, bool bearings = false) {
   Scenario s = hall_scenario();
-  s.site.receivers.resize(1);
-  s.site.receivers[0].position_m = {0.0, 0.0, 0.3};
-  s.site.receivers[0].sigma_m.setZero();
-  s.site.receivers[0].axis.reset();
-  s.site.vehicles[0].receiver_count = 1;
-  s.site.vehicles[0].array.reset();
+  keep_one_receiver(s.site, {0.0, 0.0, 0.3});
   s.site.beacons.resize(beacons_m.size());
   for (std::size_t b = 0; b < beacons_m.size(); ++b)
     for (std::size_t i = 0; i < 3; ++i) {
