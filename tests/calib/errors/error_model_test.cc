@@ -13,11 +13,11 @@ namespace {
 
 using calib::Solution;
 
-/// A hall with a delay per beacon and many stops; each pair keeps an error of `sigmas` times the noise for
-/// some `stops` stops.
-World hall_with_memory(std::uint64_t seed, double sigmas, double stops) {
+/// A hall with a delay per beacon; each pair keeps an error of `sigmas` times the noise for some `stops`
+/// stops of `epochs`.
+World hall_with_memory(std::uint64_t seed, double sigmas, double stops, int epochs = 200) {
   Scenario s = hall_scenario();
-  s.path.epochs = 200;
+  s.path.epochs = epochs;
   World world = must(simulate(s, seed));
   Random random(seed, 77);
   const double keep = std::exp(-1.0 / stops), fresh = std::sqrt(1 - keep * keep);
@@ -45,6 +45,25 @@ TEST(ErrorModel, SimulatedNoiseIsWhiteAndCostsNothing) {
     EXPECT_FALSE(solution.errors.correlated) << "seed " << seed;
     EXPECT_TRUE(solution.white_covariance.parameters.empty());
   }
+}
+
+/// A short log shows a memory weakly: the test of whiteness must not be so strict that its sigmas are those
+/// of white noise after all.
+TEST(ErrorModel, ShortLogsAreNotTakenForWhite) {
+  constexpr int kWorlds = 40;
+  int seen = 0, alarms = 0;
+  double honest = 0.0;
+  for (std::uint64_t seed = 1; seed <= kWorlds; ++seed) {
+    const World world = hall_with_memory(seed, 1.5, 4.0, 30);
+    const Solution solution = solution_of(world);
+    seen += solution.errors.correlated ? 1 : 0;
+    honest += nees_of(world, solution, false) / kWorlds;
+    alarms += solution_of(hall_with_memory(seed, 0.0, 1.0, 30)).errors.correlated ? 1 : 0;
+  }
+  EXPECT_GE(seen, 20) << "at a significance of one in ten thousand it is seen in 13";
+  EXPECT_LE(alarms, 2) << "one in a hundred is to be expected";
+  EXPECT_GT(honest, 0.6);
+  EXPECT_LT(honest, 1.6);
 }
 
 TEST(ErrorModel, SigmasHoldWhereErrorsHaveAMemory) {
