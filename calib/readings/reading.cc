@@ -14,6 +14,7 @@
 #include "calib/problem/site_units.h"
 #include "calib/readings/clock_jumps.h"
 #include "calib/readings/mixed_units.h"
+#include "calib/readings/pose_clock.h"
 #include "calib/readings/pose_frames.h"
 #include "calib/readings/wiring.h"
 
@@ -30,6 +31,12 @@ Reading unit_reading(const LengthUnit& u, const ScaledParts& parts, const std::s
        fmt::format("multiply them (and their sigmas, where these are in {} too) by {:g}", u.name, u.metres)},
       [u, parts](const Site& site) { return in_unit(site, u, parts); },
       {}};
+}
+
+std::string path_of_poses(const std::vector<MeasurementLog>& runs) {
+  const auto posed =
+      std::find_if(runs.begin(), runs.end(), [](const MeasurementLog& run) { return !run.poses.empty(); });
+  return posed == runs.end() ? "poses.tum" : posed->path + "/" + pose_file(*posed);
 }
 
 }  // namespace
@@ -118,6 +125,34 @@ std::vector<Reading> other_pose_frames(const std::vector<MeasurementLog>& runs) 
                           for (TimedPose& pose : run.poses) pose.T_map_vehicle = read(pose.T_map_vehicle);
                         }});
   return readings;
+}
+
+Reading poses_of_other_clock(const std::vector<MeasurementLog>& runs, double lag_s) {
+  const std::string file = path_of_poses(runs);
+  return {
+      {ContradictionKind::kPoses, "in " + file, "times by the clock of the arrivals",
+       fmt::format("that they are stamped {:.3g} s {}", std::abs(lag_s), lag_s > 0 ? "late" : "early"), 0.0,
+       fmt::format("look at how the two clocks are synchronised, or {} {:.3g} s {} each time of {}",
+                   lag_s > 0 ? "subtract" : "add", std::abs(lag_s), lag_s > 0 ? "from" : "to", file)},
+      {},
+      [lag_s](std::size_t, MeasurementLog& run) { take_back_lag(lag_s, run); },
+      true};
+}
+
+Reading poses_of_other_point(const std::vector<MeasurementLog>& runs, const Eigen::Vector3d& lever_m) {
+  const std::string file = path_of_poses(runs);
+  return {{ContradictionKind::kPoses, "in " + file, "of the origin of the vehicle's frame",
+           fmt::format("that they are of a point at ({:.3f}, {:.3f}, {:.3f}) m on the vehicle", lever_m.x(),
+                       lever_m.y(), lever_m.z()),
+           0.0,
+           "measure where the prism, the antenna or the markers are on the vehicle and give poses of its "
+           "origin, or else count the receivers' places from that point"},
+          {},
+          [lever_m](std::size_t, MeasurementLog& run) {
+            for (TimedPose& pose : run.poses)
+              pose.T_map_vehicle.translation_m -= pose.T_map_vehicle.rotation * lever_m;
+          },
+          true};
 }
 
 std::vector<Reading> other_odometry(const std::vector<MeasurementLog>& runs) {

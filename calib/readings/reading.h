@@ -38,6 +38,14 @@ struct Reading {
 /// Measured poses in a mirrored frame; none where there are no poses.
 [[nodiscard]] std::vector<Reading> other_pose_frames(const std::vector<MeasurementLog>& runs);
 
+/// Measured poses of a moving vehicle whose clock is behind the arrivals' (`lag_s` > 0) or ahead of it.
+[[nodiscard]] Reading poses_of_other_clock(const std::vector<MeasurementLog>& runs, double lag_s);
+
+/// Measured poses of another point of the vehicle (the prism, the antenna) than its origin.
+/// @param lever_m  that point in the vehicle's frame
+[[nodiscard]] Reading poses_of_other_point(const std::vector<MeasurementLog>& runs,
+                                           const Eigen::Vector3d& lever_m);
+
 /// Odometry with the turns or the way of another sign, in degrees, centimetres or millimetres; none where
 /// there is none, or it is in space.
 [[nodiscard]] std::vector<Reading> other_odometry(const std::vector<MeasurementLog>& runs);

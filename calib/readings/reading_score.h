@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "calib/calibrate.h"
 
 namespace octant::calib {
@@ -19,6 +21,7 @@ struct ReadingScore {
   double arrivals = 0.0;
   std::size_t disregarded = 0;     ///< beacons whose stated places were not believed
   std::vector<double> sizes = {};  ///< of the residuals, in stated sigmas
+  std::vector<Eigen::Vector3d> receiver_p_vehicle_m = {};
 };
 
 /// How much of the recordings is adjusted.

@@ -13,6 +13,7 @@
 
 #include "calib/problem/clock_check.h"
 #include "calib/readings/pauses.h"
+#include "calib/readings/pose_clock.h"
 #include "calib/readings/reading.h"
 #include "calib/readings/reading_score.h"
 #include "calib/readings/site_frames.h"
@@ -39,6 +40,7 @@ constexpr LogShare kFirstShare = {16, 12, 600, 8}, kSecondShare = {40, 30, 1500,
 constexpr double kWorthASecondTrial = 0.8;  ///< of the loss as stated
 constexpr std::size_t kSecondTrials = 2;    ///< of each kind
 constexpr double kPlainSigmas = 8.0;        ///< by which a reading must explain more than what was stated
+constexpr double kLooseReceiver_m = 0.5;    ///< sigma of a place that the poses alone are to tell
 
 class Search {
  public:
@@ -59,6 +61,7 @@ class Search {
     score_as_stated();
     if (is_blamed(ContradictionKind::kControlPoint)) try_exchanged_points();
     if (is_blamed(ContradictionKind::kSpeed)) try_out(scales(), true);
+    if (found_.empty()) try_clock_and_point_of_poses();
     if (found_.empty()) try_out(jumped_clocks(site_, problem_.runs, options_));
     return best();
   }
@@ -68,6 +71,7 @@ class Search {
     const bool jumps = ranges_show_a_jump(site_, problem_.runs);
     // What the ranges alone show has the first turn: beside such a jump every other look is long, and vain.
     if (jumps) try_out(jumped_clocks(site_, problem_.runs, options_));
+    if (found_.empty()) try_clock_and_point_of_poses();
     if (!found_.empty()) return best();
     try_numbered_stops();
     if (found_.empty()) try_exchanged_points();
@@ -191,6 +195,41 @@ class Search {
       const ReadingScore s = score(readings[i], kSecondShare, true);
       if (explains(s) || (plainly && is_likelier(s))) found_.push_back({readings[i].what, s});
     }
+  }
+
+  /// Measured poses by another clock, and of another point of the vehicle. A vehicle that always drives as
+  /// fast has the one look much like the other, and like a wrong place of its receivers.
+  void try_clock_and_point_of_poses() {
+    const std::vector<MeasurementLog>& runs = problem_.runs;
+    std::vector<Reading> readings;
+    if (std::any_of(runs.begin(), runs.end(), poses_are_of_motion))
+      readings.push_back(poses_of_other_clock(
+          runs, likeliest_lag_s([&](double lag_s) {
+            return stopped() ? INFINITY : score(poses_of_other_clock(runs, lag_s), kFirstShare, false).loss;
+          })));
+    if (std::any_of(runs.begin(), runs.end(), [](const auto& run) { return !run.poses.empty(); }))
+      readings.push_back(poses_of_other_point(runs, -shift_of_receivers_m()));
+    for (const Reading& reading : readings) {
+      if (stopped()) return;
+      const ReadingScore s = score(reading, kSecondShare, true);
+      if (explains(s) || (is_likelier(s) && explains_all(s))) found_.push_back({reading.what, s});
+    }
+  }
+
+  /// By how much the receivers stand together from where the site file has them, as poses have it.
+  [[nodiscard]] Eigen::Vector3d shift_of_receivers_m() const {
+    Site loose = site_;
+    for (SiteReceiver& receiver : loose.receivers) receiver.sigma_m.setConstant(kLooseReceiver_m);
+    const std::vector<Eigen::Vector3d> places = score_of(loose, second_, options_, true).receiver_p_vehicle_m;
+    Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+    const int told = site_.motion == Motion::kPlanar ? 2 : 3;  // a planar vehicle has no height to be off in
+    for (int i = 0; i < told; ++i) {
+      std::vector<double> shifts;
+      for (std::size_t r = 0; r < places.size(); ++r)
+        shifts.push_back(places[r][i] - site_.receivers[r].position_m[i]);
+      shift[i] = median(std::move(shifts));
+    }
+    return shift;
   }
 
   /// Poses that fit in no way: where a reading of their frame, or of the receivers', lets about as many

@@ -17,9 +17,9 @@ namespace octant::calib {
 /// Looks for the false statement behind such an outcome, one that people often get wrong: a small
 /// combinatorial search over other readings (two of a few control points exchanged; receivers exchanged,
 /// mirrored, turned; receivers or a map in another frame; positions, of some beacons too, in centimetres,
-/// millimetres, feet, inches; two-way times; stops without epochs; mirrored poses; a clock that jumped), each
-/// adjusted to an evenly spread part of the recordings and held against the same part as stated by a robust
-/// likelihood
+/// millimetres, feet, inches; two-way times; stops without epochs; poses that are mirrored or stamped late; a
+/// clock that jumped), each adjusted to an evenly spread part of the recordings and held against the same
+/// part as stated by a robust likelihood
 /// (`sigmas`: the root of twice its logarithm). Usually one or none; several where the data cannot tell them
 /// apart. Takes some dozens of quick adjustments.
 [[nodiscard]] std::vector<Contradiction> find_misreadings(const Problem& problem, const Solution& solution,

@@ -185,5 +185,30 @@ TEST(OtherPoseFrames, MirrorEveryPoseOfEveryRun) {
   }
 }
 
+TEST(PosesOfOtherClock, AreReadAsTheArrivalsClockWouldHaveThem) {
+  std::vector<MeasurementLog> runs(1);
+  runs[0].path = "run";
+  runs[0].poses = {{1.0, Pose::planar(1, 2, 0.3)}, {2.0, Pose::planar(3, -1, 2.0)}};
+  const calib::Reading late = calib::poses_of_other_clock(runs, 0.25),
+                       early = calib::poses_of_other_clock(runs, -0.25);
+  MeasurementLog run = runs[0];
+  late.log(0, run);
+  EXPECT_EQ(run.poses[1].time_s, 1.75);
+  early.log(0, run);
+  EXPECT_EQ(run.poses[1].time_s, 2.0);
+  EXPECT_NE(late.what.found.find("0.25 s late"), std::string::npos);
+  EXPECT_NE(late.what.remedy.find("subtract 0.25 s from each time of run/poses.tum"), std::string::npos);
+  EXPECT_NE(early.what.remedy.find("add 0.25 s to each time of run/poses.tum"), std::string::npos);
+}
+
+TEST(PosesOfOtherPoint, AreReadAsTheOriginHasThem) {
+  std::vector<MeasurementLog> runs(1);
+  const Pose origin = Pose::planar(1, 2, M_PI / 2);
+  const Eigen::Vector3d prism(0.4, 0.1, 0.0);
+  runs[0].poses = {{1.0, {origin * prism, origin.rotation}}};
+  calib::poses_of_other_point(runs, prism).log(0, runs[0]);
+  EXPECT_LT((runs[0].poses[0].T_map_vehicle.translation_m - origin.translation_m).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace octant::test

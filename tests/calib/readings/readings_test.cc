@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -13,6 +15,7 @@
 #include "calib/problem/site_units.h"
 #include "calib/readings/wiring.h"
 #include "calib/statements/hints.h"
+#include "models/simulator/random.h"
 #include "tests/calib/readings/cart.h"
 
 namespace octant::test {
@@ -276,6 +279,56 @@ TEST(Readings, NameMeasuredPosesThatFitInNoWay) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].kind, ContradictionKind::kPoses);
   EXPECT_THAT(found[0].found, HasSubstr("fit without them"));
+}
+
+/// A drive with odometry and measured poses of a vehicle that turns and brakes.
+World measured_drive(std::uint64_t seed) {
+  Scenario s = drive_scenario();
+  s.log_poses = true;
+  return must(simulate(s, seed));
+}
+
+// Receivers that seem elsewhere on the vehicle, or control points that bend to it, were blamed.
+TEST(Readings, NameMeasuredPosesThatAreStampedLateOrEarly) {
+  for (const double lag_s : {0.15, -0.06}) {
+    World world = measured_drive(5);
+    for (TimedPose& pose : world.run.poses) pose.time_s += lag_s;
+    const auto found = explained(world);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].kind, ContradictionKind::kPoses);
+    EXPECT_THAT(found[0].found, HasSubstr(fmt::format("{:.2f}", std::abs(lag_s)).substr(0, 4)));
+    EXPECT_THAT(found[0].found, HasSubstr(lag_s > 0 ? "s late" : "s early"));
+  }
+}
+
+TEST(Readings, NameMeasuredPosesOfAnotherPointOfTheVehicle) {
+  Scenario stops = hall_scenario();
+  stops.path.epochs = 40;
+  stops.log_poses = true;
+  for (World world : {measured_drive(6), must(simulate(stops, 2))}) {
+    EXPECT_THAT(explained(world), IsEmpty()) << "as they are";
+    const Eigen::Vector3d prism(0.11, -0.07, 0.0);
+    for (TimedPose& pose : world.run.poses)
+      pose.T_map_vehicle.translation_m += pose.T_map_vehicle.rotation * prism;
+    const auto found = explained(world);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].kind, ContradictionKind::kPoses);
+    EXPECT_THAT(found[0].found, HasSubstr("of a point at (0.1"));
+    EXPECT_THAT(found[0].found, HasSubstr(", -0.0"));
+  }
+}
+
+// What a pair of beacon and receiver keeps is no lag, though one explains a part of it.
+TEST(Readings, AccuseNoClockOfErrorsThatPairsKeep) {
+  World world = measured_drive(7);
+  Random random(7, 1);
+  std::map<std::pair<int, int>, double> bias_s;
+  for (Arrival& a : world.run.arrivals)
+    a.tof_s += bias_s
+                   .try_emplace({a.beacon.value, a.receiver.value},
+                                5 * world.site.noise.tof_sigma_s * random.normal())
+                   .first->second;
+  for (const Contradiction& c : explained(world)) EXPECT_NE(c.kind, ContradictionKind::kPoses) << in_words(c);
 }
 
 TEST(Readings, NameOdometryThatTurnsClockwise) {

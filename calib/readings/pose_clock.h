@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "models/run.h"
+
+namespace octant::calib {
+
+/// Whether measured poses are of a vehicle that moves, so that their clock matters.
+[[nodiscard]] bool poses_are_of_motion(const MeasurementLog& run);
+
+/// Poses as a clock would have stamped them that runs with the arrivals'.
+/// @param lag_s  by which the poses' stamps are late; negative: early
+void take_back_lag(double lag_s, MeasurementLog& run);
+
+/// The lag that explains the recordings best, of up to some two seconds either way: steps by factors of two,
+/// the best of them refined to a part in a hundred.
+/// @param loss  of the recordings when such a lag is taken back; some thirty are asked for
+[[nodiscard]] double likeliest_lag_s(const std::function<double(double lag_s)>& loss);
+
+}  // namespace octant::calib

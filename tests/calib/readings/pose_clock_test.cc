@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/readings/pose_clock.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+namespace octant::test {
+namespace {
+
+/// A vehicle that goes straight on, ten poses a second.
+MeasurementLog straight_on(double speed_mps) {
+  MeasurementLog run;
+  for (int i = 0; i < 50; ++i) run.poses.push_back({0.1 * i, Pose::planar(speed_mps * 0.1 * i, 1.0, 0.0)});
+  return run;
+}
+
+TEST(PoseClock, MattersWhereTheVehicleMovesWhileItIsMeasured) {
+  EXPECT_FALSE(calib::poses_are_of_motion({}));
+  EXPECT_FALSE(calib::poses_are_of_motion(straight_on(0.0)));
+  EXPECT_TRUE(calib::poses_are_of_motion(straight_on(0.3)));
+  MeasurementLog stops = straight_on(0.3);  // one pose a stop, nothing between
+  for (std::size_t i = 0; i < stops.poses.size(); ++i) stops.poses[i].time_s = 60.0 * static_cast<double>(i);
+  EXPECT_FALSE(calib::poses_are_of_motion(stops));
+}
+
+TEST(PoseClock, LateStampsAreTakenBack) {
+  MeasurementLog run = straight_on(0.3);
+  calib::take_back_lag(0.25, run);
+  EXPECT_NEAR(run.poses[10].time_s, 0.75, 1e-12);
+  EXPECT_NEAR(run.poses[10].T_map_vehicle.translation_m.x(), 0.3, 1e-12);
+}
+
+TEST(PoseClock, TheLikeliestLagIsFoundToAPartInAHundred) {
+  for (const double lag_s : {0.013, -0.031, 0.2, -0.7, 1.9}) {
+    int asked = 0;
+    // Ranges off by a speed times what is left of the lag, among noise: the logarithm of their spread.
+    const double found = calib::likeliest_lag_s([&](double tried_s) {
+      ++asked;
+      return std::log(std::hypot(0.004, 0.5 * (tried_s - lag_s)));
+    });
+    EXPECT_NEAR(found, lag_s, 0.01 * std::abs(lag_s));
+    EXPECT_LE(asked, 30);
+  }
+}
+
+}  // namespace
+}  // namespace octant::test
