@@ -6,7 +6,6 @@
 #include <chrono>
 #include <utility>
 
-#include "calib/adjust/priors.h"
 #include "calib/adjust/reject.h"
 #include "calib/start/refusals.h"
 
@@ -112,15 +111,14 @@ class Calibrator {
   }
 
   Result<DataSquares> adjust_with_noise_as_found(double sigma) {
-    if (is_far_off(sigma)) log_.scale_noise(estimate_, sigma);
+    // Measured poses take their part of what the arrivals are off by, so that little is left in these.
+    const auto& runs = log_.problem().runs;
+    const bool are_posed =
+        std::any_of(runs.begin(), runs.end(), [](const MeasurementLog& run) { return !run.poses.empty(); });
+    if (is_far_off(sigma) && (sigma > 1 || !are_posed)) log_.scale_noise(estimate_, {.arrivals = sigma});
     return adjust_and_scale_noise(
-        [this]() -> Result<DataSquares> {
-          const auto statistics = log_.adjust_inliers(estimate_);
-          if (!statistics) return fail(statistics.error());
-          const double prior = prior_cost(log_.problem(), estimate_.layout, estimate_.x);
-          return DataSquares{estimate_.last.cost - prior, statistics->redundancy};
-        },
-        [this](double factor) { log_.scale_noise(estimate_, factor); });
+        [this] { return log_.adjust_inliers(estimate_); },
+        [this](const NoiseFactors& factors) { log_.scale_noise(estimate_, factors); });
   }
 
   CalibrationLog& log_;

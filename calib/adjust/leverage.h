@@ -53,7 +53,7 @@ struct LatenessInformation {
 /// segment (block-tridiagonal) and X = -A^-1 Jx'Js L the states' own answer to xi,
 ///   h = Jx A^-1 Jx' + |f|^2,   f = Js L + Jx X,   d theta = L f' per sigma of error.
 /// A^-1 is needed on the diagonal and beside it only: the smoother's recursions of
-/// models/localizers/chain/chain_covariance.h; X_k by back-substitution. Chains are swept in blocks, so that
+/// models/localizers/chain/chain_windows.h; X_k by back-substitution. Chains are swept in blocks, so that
 /// memory does not grow with (nodes x parameters). State directions that nothing observes (heading of a lone
 /// antenna) are held and count as no unknowns.
 ///

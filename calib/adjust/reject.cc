@@ -94,6 +94,16 @@ void rescale_noise(std::vector<Trajectory>& trajectories, double before_s, doubl
       a.sigma_s = std::hypot(now_s, std::sqrt(std::max(0.0, a.sigma_s * a.sigma_s - before_s * before_s)));
 }
 
+void rescale_poses(std::vector<Trajectory>& trajectories, double factor) {
+  if (factor == 1.0) return;
+  for (Trajectory& t : trajectories)
+    for (PoseObservation& p : t.poses) {
+      p.position_sigma_m *= factor;
+      p.heading_sigma_rad *= factor;
+      p.attitude_sigma_rad *= factor;
+    }
+}
+
 void readmit_all(std::vector<Trajectory>& trajectories, const std::vector<bool>& beacon_usable) {
   for (Trajectory& t : trajectories) {
     for (ArrivalObservation& a : t.arrivals)

@@ -29,6 +29,8 @@ std::size_t reject_outliers(std::vector<Trajectory>& trajectories, const SharedS
 /// times, and stays.
 /// @param before_s, now_s  of the times of flight
 void rescale_noise(std::vector<Trajectory>& trajectories, double before_s, double now_s);
+/// The sigmas of measured poses are so many times what they were.
+void rescale_poses(std::vector<Trajectory>& trajectories, double factor);
 
 /// All arrivals and bearings in use again, but those of unusable beacons and of states without a place.
 void readmit_all(std::vector<Trajectory>& trajectories, const std::vector<bool>& beacon_usable);

@@ -24,7 +24,7 @@ constexpr std::size_t kMostRows = 40'000;
 /// Of the test whether residuals are white, all sums together. Real errors hardly ever are, and a short log
 /// shows it weakly: passed over, its sigmas would be several times too small; a false alarm makes them half
 /// as large again.
-constexpr double kWhitenessSignificance = 1e-2;
+constexpr double kWhitenessSignificance = 1e-3;
 constexpr std::size_t kTestPanels = 3;   ///< sixteen draws each, of white noise in the test
 constexpr std::size_t kModelPanels = 6;  ///< of the fitted errors
 constexpr double kRidge = 0.05;          ///< of the correlation of the sums, which some hundred draws tell

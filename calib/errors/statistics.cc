@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include <Eigen/QR>
 #include <boost/math/distributions/chi_squared.hpp>
 
+#include "models/localizers/chain/chain_windows.h"
 #include "models/support/observed.h"
 #include "models/support/parallel.h"
 #include "models/support/unit_diagonal.h"
@@ -33,6 +35,7 @@ void ObservationCounts::add(const ObservationCounts& other) {
   observations += other.observations;
   states += other.states;
   squares_s2 += other.squares_s2;
+  poses.add(other.poses);
 }
 
 namespace {
@@ -94,6 +97,29 @@ std::size_t observed_directions(const Trajectory& t, const Segment& segment, con
          static_cast<std::size_t>((information.array() > 1.0 / (kBlindRad * kBlindRad)).count());
 }
 
+PoseSquares squares_of_poses(const Trajectory& t, const Segment& segment, const SharedState& state) {
+  PoseSquares of_all;
+  std::size_t pose = segment.last_pose;  // windows come from the end
+  ChainVariant chain;
+  chain.visit = [&](const ChainWindow& window) {
+    ObservationRow rows[6];
+    for (; pose > segment.first_pose && t.poses[pose - 1].node >= window.first_node; --pose) {
+      const std::size_t node = t.poses[pose - 1].node - window.first_node;
+      const int count = pose_rows(t, pose - 1, rows);
+      for (const ObservationRow& row : std::span(rows, static_cast<std::size_t>(count))) {
+        double leverage = row.by_node.dot(window.marginal[node] * row.by_node.transpose());
+        if (row.has_next)
+          leverage += 2 * row.by_node.dot(window.cross[node] * row.by_next.transpose()) +
+                      row.by_next.dot(window.marginal[node + 1] * row.by_next.transpose());
+        of_all.squares += row.residual * row.residual;
+        of_all.redundancy += 1.0 - leverage;
+      }
+    }
+  };
+  const bool is_determined = solve_by_windows(t, segment, state, {&chain, 1}).front();
+  return is_determined ? of_all : PoseSquares{};
+}
+
 }  // namespace
 
 ObservationCounts count_observations(const Trajectory& t, const SharedState& state, int threads,
@@ -129,11 +155,19 @@ ObservationCounts count_observations(const Trajectory& t, const SharedState& sta
                                                     static_cast<std::size_t>(t.block_size());
     for (std::size_t i = segment.first_pose; i < segment.last_pose; ++i)
       counts.observations += pose_rows(t, i, rows);
+    if (segment.last_pose > segment.first_pose) counts.poses.add(squares_of_poses(t, segment, state));
     for (std::size_t i = segment.first_odometry; i < segment.last_odometry; ++i)
       counts.observations += odometry_rows(t, i, rows);
     for (std::size_t i = segment.first_motion; i < segment.last_motion; ++i)
       counts.observations += motion_rows(t, i, rows);
   }
+  return counts;
+}
+
+ObservationCounts counts_of(const std::vector<Trajectory>& trajectories, const SharedState& state,
+                            int threads) {
+  ObservationCounts counts;
+  for (const Trajectory& t : trajectories) counts.add(count_observations(t, state, threads));
   return counts;
 }
 
@@ -159,12 +193,24 @@ CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayou
 CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayout& layout,
                                     const std::vector<Trajectory>& trajectories, const SharedState& state,
                                     double cost, int threads) {
-  ObservationCounts counts;
-  for (const Trajectory& t : trajectories) counts.add(count_observations(t, state, threads));
-  return statistics_of(problem, layout, counts, cost);
+  return statistics_of(problem, layout, counts_of(trajectories, state, threads), cost);
 }
 
-double NoiseSearch::step(double data_cost, double redundancy) {
+NoiseFactors NoiseSearch::step(const DataSquares& data) {
+  constexpr double kFewest = 30.0, kSigmas = 4.0, kLeast = 0.1;
+  const PoseSquares& poses = data.poses;
+  const double redundancy = data.redundancy - poses.redundancy, squares = 2 * data.cost - poses.squares;
+  const bool are_better = poses.redundancy >= kFewest && redundancy >= kFewest && squares > 0 &&
+                          poses.squares / poses.redundancy < 1 - kSigmas * std::sqrt(2 / poses.redundancy);
+  if (!are_better) return {.arrivals = step_of_arrivals(data.cost, data.redundancy)};
+  variance_before_.reset();  // of other poses
+  NoiseFactors factors{std::sqrt(squares / redundancy),
+                       std::max(kLeast, std::sqrt(poses.squares / poses.redundancy))};
+  factor_ *= factors.arrivals;
+  return factors;
+}
+
+double NoiseSearch::step_of_arrivals(double data_cost, double redundancy) {
   constexpr double kNoiseMatters = 0.02;  // less is seen by the test, but of no consequence for any sigma
   constexpr double kApart = 0.05, kLongest = 6.0;
   const double variance = 2 * data_cost / redundancy;

@@ -46,10 +46,10 @@ class CalibrationLog {
 
   /// Plain squares on the arrivals within so many sigmas, which are rejected and readmitted until neither
   /// they nor parameters change.
-  /// @return statistics against the noise as it is
-  [[nodiscard]] virtual Result<CalibrationStatistics> adjust_inliers(Estimate& estimate) = 0;
-  /// The noise of the arrivals is so many times what it was.
-  virtual void scale_noise(Estimate& estimate, double factor) = 0;
+  /// @return the squares with the noise as it is
+  [[nodiscard]] virtual Result<DataSquares> adjust_inliers(Estimate& estimate) = 0;
+  /// Noise is so many times what it was.
+  virtual void scale_noise(Estimate& estimate, const NoiseFactors& factors) = 0;
 
   /// The end: nothing is asked of it any more.
   [[nodiscard]] virtual Result<LogFindings> findings(const Estimate& estimate) = 0;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "calib/adjust/adjust.h"
+#include "calib/adjust/priors.h"
 #include "calib/adjust/reject.h"
 #include "calib/problem/flips.h"
 #include "calib/stream/long_log.h"
@@ -48,7 +49,7 @@ Result<double> HeldLog::place(Approach& start, double sigma) {
   return agreeing_sigma(trajectories_, state);
 }
 
-Result<CalibrationStatistics> HeldLog::adjust_inliers(Estimate& estimate) {
+Result<DataSquares> HeldLog::adjust_inliers(Estimate& estimate) {
   for (int round = 0; round < kRejectionRounds; ++round) {
     if (!monitor_.report_inliers(round)) return interrupted();
     const std::size_t changed =
@@ -57,7 +58,10 @@ Result<CalibrationStatistics> HeldLog::adjust_inliers(Estimate& estimate) {
     estimate.last.data_information.reset();
     if (!adjust_to_rest(estimate)) return interrupted();
   }
-  return statistics_.emplace(statistics(estimate));
+  const ObservationCounts counts = counts_of(trajectories_, estimate.state(), options_.threads);
+  statistics_ = statistics(estimate, counts);
+  return DataSquares{estimate.last.cost - prior_cost(problem_, estimate.layout, estimate.x),
+                     statistics_->redundancy, counts.poses};
 }
 
 bool HeldLog::adjust_to_rest(Estimate& estimate) {
@@ -67,15 +71,16 @@ bool HeldLog::adjust_to_rest(Estimate& estimate) {
   return !estimate.last.interrupted;
 }
 
-CalibrationStatistics HeldLog::statistics(const Estimate& estimate) const {
-  return statistics_of(problem_, estimate.layout, trajectories_, estimate.state(), estimate.last.cost,
-                       options_.threads);
+CalibrationStatistics HeldLog::statistics(const Estimate& estimate, const ObservationCounts& counts) const {
+  return statistics_of(problem_, estimate.layout, counts, estimate.last.cost);
 }
 
-void HeldLog::scale_noise(Estimate& estimate, double factor) {
+void HeldLog::scale_noise(Estimate& estimate, const NoiseFactors& factors) {
   const double before_s = problem_.site.noise.tof_sigma_s * estimate.noise_factor;
-  estimate.noise_factor *= factor;
-  rescale_noise(trajectories_, before_s, factor * before_s);
+  estimate.noise_factor *= factors.arrivals;
+  estimate.pose_factor *= factors.poses;
+  rescale_noise(trajectories_, before_s, factors.arrivals * before_s);
+  rescale_poses(trajectories_, factors.poses);
   estimate.last.data_information.reset();
   statistics_.reset();
 }
@@ -84,7 +89,8 @@ Result<LogFindings> HeldLog::findings(const Estimate& estimate) {
   LogFindings all;
   Findings& f = all.findings;
   const SharedState state = estimate.state();
-  f.statistics = statistics_ ? *statistics_ : statistics(estimate);
+  f.statistics =
+      statistics_ ? *statistics_ : statistics(estimate, counts_of(trajectories_, state, options_.threads));
   f.whiteness = whiteness_of(trajectories_, state, options_.threads);
   f.flips = report_flips(problem_, trajectories_, start_headings_rad_);
   f.left_out = left_out_of(problem_, trajectories_, state);

@@ -24,13 +24,14 @@ class HeldLog : public CalibrationLog {
   [[nodiscard]] const Problem& problem() const override { return problem_; }
   [[nodiscard]] Result<Sample> next_sample() override;
   [[nodiscard]] Result<double> place(Approach& start, double sigma) override;
-  [[nodiscard]] Result<CalibrationStatistics> adjust_inliers(Estimate& estimate) override;
-  void scale_noise(Estimate& estimate, double factor) override;
+  [[nodiscard]] Result<DataSquares> adjust_inliers(Estimate& estimate) override;
+  void scale_noise(Estimate& estimate, const NoiseFactors& factors) override;
   [[nodiscard]] Result<LogFindings> findings(const Estimate& estimate) override;
 
  private:
   bool adjust_to_rest(Estimate& estimate);
-  [[nodiscard]] CalibrationStatistics statistics(const Estimate& estimate) const;
+  [[nodiscard]] CalibrationStatistics statistics(const Estimate& estimate,
+                                                 const ObservationCounts& counts) const;
 
   const Problem& problem_;
   const SolveOptions& options_;

@@ -251,7 +251,7 @@ class SecondVisit {
           const double prior = prior_cost(fit_.problem, fit_.layout, fit_.x);
           return DataSquares{fit_.last.cost - prior, statistics_.redundancy};
         },
-        [this](double factor) { scale_noise(factor); });
+        [this](const NoiseFactors& factors) { scale_noise(factors.arrivals); });
     if (!adjusted) out_.message = "the adjustment of the second visit did not converge: " + fit_.last.message;
     return adjusted.has_value();
   }

@@ -18,6 +18,7 @@ struct Estimate {
   Eigen::VectorXd x;
   AdjustResult last;                  ///< of the adjustment that led to x
   double noise_factor = 1.0;          ///< noise of the arrivals as found over the stated one
+  double pose_factor = 1.0;           ///< the same of measured poses
   std::vector<bool> beacon_usable;    ///< found
   std::vector<bool> beacon_mirrored;  ///< a second place, adjusted as well, is as good by all observations
 

@@ -29,7 +29,8 @@ struct PassCounts {
 template <class Buffer>
 void exchange(Buffer& buffer, BufferRecord<PassCounts> auto&& counts) {
   buffer.exchange(counts.cost_before, counts.changed, counts.of_log.used, counts.of_log.rejected,
-                  counts.of_log.observations, counts.of_log.states);
+                  counts.of_log.observations, counts.of_log.states, counts.of_log.poses.squares,
+                  counts.of_log.poses.redundancy);
 }
 
 /// What one reading of a log leaves of it at an estimate.

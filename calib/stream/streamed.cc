@@ -3,11 +3,13 @@
 #include "calib/stream/streamed.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "calib/adjust/priors.h"
 #include "calib/adjust/reject.h"
 #include "calib/calibrator.h"
 #include "calib/problem/ranges.h"
@@ -74,16 +76,20 @@ class StreamedLog : public CalibrationLog {
     return of_all;
   }
 
-  Result<CalibrationStatistics> adjust_inliers(Estimate& estimate) override {
+  Result<DataSquares> adjust_inliers(Estimate& estimate) override {
     const auto last = newton_steps(readings_, frame_, options_, monitor_,
                                    std::exchange(first_sum_, std::nullopt), estimate);
     if (!last) return fail(last.error());
-    return statistics_of(frame_, estimate.layout, last->counts.of_log, estimate.last.cost);
+    return DataSquares{
+        estimate.last.cost - prior_cost(frame_, estimate.layout, estimate.x),
+        statistics_of(frame_, estimate.layout, last->counts.of_log, estimate.last.cost).redundancy,
+        last->counts.of_log.poses};
   }
 
-  void scale_noise(Estimate& estimate, double factor) override {
-    estimate.noise_factor *= factor;
-    if (estimate.last.data_information) *estimate.last.data_information /= factor * factor;
+  void scale_noise(Estimate& estimate, const NoiseFactors& factors) override {
+    estimate.noise_factor *= factors.arrivals;
+    estimate.pose_factor *= factors.poses;
+    if (estimate.last.data_information) *estimate.last.data_information /= std::pow(factors.arrivals, 2);
   }
 
   Result<LogFindings> findings(const Estimate& estimate) override {

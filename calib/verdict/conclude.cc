@@ -86,9 +86,18 @@ void allow_for_correlation(const Estimate& estimate, const Covariance& C,
   solution.covariance.matrix = si.asDiagonal() * solution.errors.covariance * si.asDiagonal();
 }
 
-void warn_of_noise(const Problem& problem, const Findings& findings, double noise_factor,
+/// Poses that are far better than stated say little of the arrivals' noise while they are taken for so bad.
+constexpr double kFarBetterPoses = 0.5;
+
+void warn_of_noise(const Problem& problem, const Findings& findings, const Estimate& estimate,
                    const std::vector<Trajectory>& trajectories, Solution& solution) {
   const CalibrationStatistics& s = solution.statistics;
+  const double noise_factor = estimate.noise_factor;
+  if (estimate.pose_factor < kFarBetterPoses)
+    solution.warnings.push_back(
+        fmt::format("measured poses fit {:.1f} times better than stated and are weighted so; state poses: "
+                    "position_sigma_m and heading_sigma_rad in run.yaml as they are",
+                    1.0 / estimate.pose_factor));
   if (s.redundancy >= 30 && noise_factor > 1.2)
     solution.warnings.push_back(
         fmt::format("residuals are {:.2f} times the stated noise (variance factor {:.3g}); sigmas are scaled "
@@ -182,7 +191,7 @@ void conclude_as_is(const Problem& problem, const SolveOptions& options, const E
     contradict(problem, options, estimate, trajectories, solution);
   if (!solution.contradictions.empty())
     return;  // which tell the culprit; what follows would name the innocent
-  warn_of_noise(problem, findings, estimate.noise_factor, trajectories, solution);
+  warn_of_noise(problem, findings, estimate, trajectories, solution);
   for (std::string& warning : suspect_control_points(problem, solution.state, trajectories))
     solution.warnings.push_back(std::move(warning));
 }

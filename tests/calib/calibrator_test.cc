@@ -32,14 +32,14 @@ class WatchedLog : public calib::HeldLog {
     if (fails_at == asked.back()) return failed();
     return HeldLog::place(start, sigma);
   }
-  Result<CalibrationStatistics> adjust_inliers(calib::Estimate& estimate) override {
+  Result<calib::DataSquares> adjust_inliers(calib::Estimate& estimate) override {
     asked.emplace_back("adjust");
     if (fails_at == asked.back()) return failed();
     return HeldLog::adjust_inliers(estimate);
   }
-  void scale_noise(calib::Estimate& estimate, double factor) override {
+  void scale_noise(calib::Estimate& estimate, const calib::NoiseFactors& factors) override {
     asked.emplace_back("scale");
-    HeldLog::scale_noise(estimate, factor);
+    HeldLog::scale_noise(estimate, factors);
   }
   Result<calib::LogFindings> findings(const calib::Estimate& estimate) override {
     asked.emplace_back("findings");

@@ -108,6 +108,7 @@ bool ChunkPasses::is_as_before(std::size_t chunk, const ChunkWork& w) const {
 void ChunkPasses::restore(const KeptChunk& kept, const Estimate& estimate, ChunkWork& w) const {
   const double stated_s = task_.frame.site.noise.tof_sigma_s;
   rescale_noise(w.trajectories, stated_s, stated_s * estimate.noise_factor);
+  rescale_poses(w.trajectories, estimate.pose_factor);
   for (std::size_t i = 0; i < w.trajectories.size(); ++i) kept.trajectories[i].restore(w.trajectories[i]);
 }
 

@@ -141,6 +141,7 @@ void DrivePasses::restore(std::size_t piece, const Estimate& estimate, const std
   Trajectory& t = w.t();
   const double stated_s = task_.frame.site.noise.tof_sigma_s;
   rescale_noise(w.trajectory, stated_s, stated_s * estimate.noise_factor);
+  rescale_poses(w.trajectory, estimate.pose_factor);
   kept_[piece].restore(t);
   const auto put_end = [](const Node& end, Node& node) {
     node.placed = end.placed;

@@ -60,7 +60,7 @@ TEST(ErrorModel, ShortLogsAreNotTakenForWhite) {
     honest += nees_of(world, solution, false) / kWorlds;
     alarms += solution_of(hall_with_memory(seed, 0.0, 1.0, 30)).errors.correlated ? 1 : 0;
   }
-  EXPECT_GE(seen, 20) << "at a significance of one in ten thousand it is seen in 13";
+  EXPECT_GE(seen, 18) << "at a significance of one in ten thousand it is seen in 13";
   EXPECT_LE(alarms, 2) << "one in a hundred is to be expected";
   EXPECT_GT(honest, 0.6);
   EXPECT_LT(honest, 1.6);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -17,16 +18,18 @@ constexpr double kRedundancy = 10'000.0;
 double searched(double factor, double part_of_others) {
   NoiseSearch search;
   for (int round = 0; round < 3; ++round)
-    factor *= search.step(0.5 * kRedundancy * (part_of_others + (1 - part_of_others) / (factor * factor)),
-                          kRedundancy);
+    factor *= search
+                  .step({0.5 * kRedundancy * (part_of_others + (1 - part_of_others) / (factor * factor)),
+                         kRedundancy})
+                  .arrivals;
   return factor;
 }
 
 TEST(NoiseSearch, OfArrivalsAloneIsDoneInOneStep) {
   NoiseSearch search;
-  const double step = search.step(0.5 * kRedundancy * 9.0, kRedundancy);
+  const double step = search.step({0.5 * kRedundancy * 9.0, kRedundancy}).arrivals;
   EXPECT_DOUBLE_EQ(step, 3.0);
-  EXPECT_EQ(search.step(0.5 * kRedundancy * 1.01, kRedundancy), 1.0);
+  EXPECT_EQ(search.step({0.5 * kRedundancy * 1.01, kRedundancy}).arrivals, 1.0);
 }
 
 // The roots of the squares alone would end at 1.3 to 1.5 for noise ten times too large, at 0.6 for a third.
@@ -38,16 +41,65 @@ TEST(NoiseSearch, BesideObservationsWhoseNoiseIsAsStatedEndsAtTheNoiseToo) {
 
 TEST(NoiseSearch, FewOrNoSquaresTellNothing) {
   NoiseSearch search;
-  EXPECT_EQ(search.step(0.5 * 9.0 * 20.0, 20.0), 1.0);
-  EXPECT_EQ(search.step(0.0, kRedundancy), 1.0);
+  EXPECT_EQ(search.step({0.5 * 9.0 * 20.0, 20.0}).arrivals, 1.0);
+  EXPECT_EQ(search.step({0.0, kRedundancy}).arrivals, 1.0);
 }
 
 // Where the squares do not fall with the noise, as of a fault that is no noise, a step stays near the root.
 TEST(NoiseSearch, SquaresThatDoNotFallAreNotChasedWithoutEnd) {
   NoiseSearch search;
   double factor = 1.0;
-  for (int round = 0; round < 3; ++round) factor *= search.step(0.5 * kRedundancy * 1.5, kRedundancy);
+  for (int round = 0; round < 3; ++round)
+    factor *= search.step({0.5 * kRedundancy * 1.5, kRedundancy}).arrivals;
   EXPECT_LT(factor, std::pow(std::sqrt(1.5), 13.0));
+}
+
+/// Moments at measured poses, of which each hears `receivers` arrivals, all from one direction: what the
+/// squares and redundancies of both are, with variances as they are taken and as they are.
+DataSquares moments(double receivers, double arrivals, double poses, double true_arrivals,
+                    double true_poses) {
+  constexpr double kMoments = 2000.0;
+  // Along the direction the poses' misfit to the mean of the arrivals is shared out; the rest is scatter.
+  const double taken = poses + arrivals / receivers, is = true_poses + true_arrivals / receivers;
+  const double of_poses = poses * is / (taken * taken), of_mean = arrivals / receivers * is / (taken * taken);
+  const double scatter = receivers - 1;
+  DataSquares data;
+  data.poses = {kMoments * of_poses, kMoments * poses / taken};
+  data.redundancy = kMoments * (1 + scatter);
+  data.cost = 0.5 * kMoments * (of_poses + of_mean + scatter * true_arrivals / arrivals);
+  return data;
+}
+
+/// Variances of arrivals and poses that the search ends at, both taken for one.
+std::pair<double, double> variances_found(double receivers, double true_arrivals, double true_poses) {
+  NoiseSearch search;
+  double arrivals = 1.0, poses = 1.0;
+  for (int round = 0; round < 6; ++round) {
+    const NoiseFactors factors = search.step(moments(receivers, arrivals, poses, true_arrivals, true_poses));
+    if (factors.are_one()) break;
+    arrivals *= factors.arrivals * factors.arrivals;
+    poses *= factors.poses * factors.poses;
+  }
+  return {arrivals, poses};
+}
+
+// The noise of the arrivals alone would go to nothing: what poses are taken for explains more than there is.
+TEST(NoiseSearch, PosesBetterThanStatedLeaveTheArrivalsTheirs) {
+  const auto [of_arrivals, of_poses] = variances_found(8, 1.0, 0.01);
+  EXPECT_NEAR(of_arrivals, 1.0, 0.15);
+  EXPECT_LT(of_poses, 0.2);
+}
+
+TEST(NoiseSearch, KeepsTheRatioOfWhatTheDataCannotTellApart) {
+  const auto [arrivals, poses] = variances_found(1, 0.1, 0.0);
+  EXPECT_NEAR(arrivals, 0.05, 0.01);
+  EXPECT_NEAR(poses, 0.05, 0.01);
+}
+
+// Errors that receivers share look the same.
+TEST(NoiseSearch, PosesThatSeemWorseThanStatedAreLeft) {
+  EXPECT_EQ(variances_found(8, 1.0, 9.0).second, 1.0);
+  EXPECT_EQ(variances_found(8, 1.0, 1.0), std::pair(1.0, 1.0));
 }
 
 /// An adjustment of arrivals alone whose noise is off by a factor, as a log that is adjusted again.
@@ -60,8 +112,8 @@ struct ScaledLog {
   }
   std::optional<DataSquares> search() {
     return adjust_and_scale_noise([this] { return adjust(); },
-                                  [this](double by) {
-                                    factor *= by;
+                                  [this](const NoiseFactors& by) {
+                                    factor *= by.arrivals;
                                     ++scaled;
                                   });
   }
@@ -87,7 +139,7 @@ TEST(AdjustAndScaleNoise, EndsAfterThreeAdjustmentsOrWithOneThatFails) {
     ++adjusted;
     return DataSquares{2.0 * kRedundancy, kRedundancy};
   };
-  EXPECT_TRUE(adjust_and_scale_noise(hopeless, [&](double) { ++scaled; }));
+  EXPECT_TRUE(adjust_and_scale_noise(hopeless, [&](const NoiseFactors&) { ++scaled; }));
   EXPECT_EQ(adjusted, 3);
   EXPECT_EQ(scaled, 3);
   ScaledLog log{.factor = 0.25, .fails_at = 2};
