@@ -13,6 +13,7 @@
 #include "io/tof/run_parts.h"
 #include "io/tof/tof_rows.h"
 #include "models/physics/unit_rotation.h"
+#include "models/support/largest.h"
 
 namespace octant::io {
 namespace {

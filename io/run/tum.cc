@@ -12,6 +12,7 @@
 #include "io/text/bounds.h"
 #include "io/text/text.h"
 #include "io/tof/run_parts.h"
+#include "models/support/largest.h"
 
 namespace octant::io {
 namespace {

@@ -14,6 +14,7 @@
 #include "io/text/bounds.h"
 #include "io/text/csv_scan.h"
 #include "io/tof/tof_columns.h"
+#include "models/support/largest.h"
 
 namespace octant::io {
 namespace {

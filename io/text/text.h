@@ -28,10 +28,7 @@ namespace octant::io {
 /// Shortest decimal text that reads back as the same double.
 [[nodiscard]] std::string exact(double value);
 
-/// Beyond a million kilometres a length is a fault of whoever wrote it, whose square may be no number any
-/// more.
-inline constexpr double kLargestLength_m = 1e9;
-inline constexpr const char* kExpectedLength = "metres, at most 1e9";
+inline constexpr const char* kExpectedLength = "metres, at most 1e9";  ///< kLargestLength_m
 
 enum class NumberText { kNumber, kEmpty, kNotNumber };
 /// Whole text as a decimal number ("nan" and "inf" are numbers too); a leading '+' is allowed, hexadecimal is

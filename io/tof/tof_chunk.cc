@@ -9,6 +9,7 @@
 
 #include "io/text/csv_scan.h"
 #include "io/text/plain_number.h"
+#include "models/support/largest.h"
 
 namespace octant::io {
 

@@ -16,6 +16,7 @@
 #include "io/tof/run_parts.h"
 #include "models/run.h"
 #include "models/site.h"
+#include "models/support/largest.h"
 
 namespace octant::io {
 
@@ -47,9 +48,6 @@ struct TofColumns {
 
 /// Why a row is no measurement.
 enum class Refusal { kNone, kEmpty, kNotANumber, kNotPositive, kTooLarge, kRepeated };
-/// Beyond three hundred years (in metres: the solar system) a number is a fault of a driver, whose square may
-/// be none any more. A unit taken for another is nowhere near it, and is told as such.
-inline constexpr double kLargestTof_s = 1e10;
 /// Negative times are legal where the receiver's clock has an unknown offset.
 [[nodiscard]] inline Refusal refusal_of(std::string_view text, double tof_s, Clock clock) {
   if (text.empty()) return Refusal::kEmpty;

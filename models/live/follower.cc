@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "models/localizers/space/space_track.h"
+#include "models/support/largest.h"
 
 namespace octant {
 namespace {
@@ -124,8 +125,9 @@ void Follower::begin_anew(Lane& lane) {
 
 bool Follower::move(const OdometryStep& step) {
   Lane* lane = lane_of(step.vehicle);
-  const bool is_number = std::isfinite(step.time_s) && step.is_finite();
-  if (lane == nullptr || !is_number ||
+  const double longest_m = std::max({std::abs(step.dx_m), std::abs(step.dy_m), std::abs(step.dz_m)});
+  const bool is_possible = std::isfinite(step.time_s) && step.is_finite() && longest_m <= kLargestLength_m;
+  if (lane == nullptr || !is_possible ||
       (lane->row_s && step.time_s <= *lane->row_s &&
        !is_set_back(*lane, lane->odometry_behind, step.time_s))) {
     ++counts_.refused;

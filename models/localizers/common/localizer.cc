@@ -3,7 +3,10 @@
 #include "models/localizers/common/localizer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
+
+#include "models/support/largest.h"
 
 namespace octant {
 namespace {
@@ -12,6 +15,10 @@ bool is_known(const Arrival& a, std::size_t beacons, std::size_t receivers) {
   return a.beacon.valid() && a.beacon.index() < beacons && a.receiver.valid() &&
          a.receiver.index() < receivers;
 }
+
+/// NaN is what drivers write when nothing came; every method leaves it out itself.
+bool is_possible(const Arrival& a) { return !(std::abs(a.tof_s) > kLargestTof_s); }
+bool is_possible(const Bearing&) { return true; }
 
 /// An unlabelled bearing is known; whose it is, is found out.
 bool is_known(const Bearing& b, std::size_t beacons) {
@@ -27,7 +34,7 @@ bool Localizer::knows(const Arrival& arrival) const noexcept {
 bool Localizer::knows(const Bearing& bearing) const noexcept { return is_known(bearing, beacons_); }
 
 void Localizer::locate(const Observations& observations, Fix& fix) noexcept {
-  const auto known = [this](const auto& row) { return knows(row); };
+  const auto known = [this](const auto& row) { return knows(row) && is_possible(row); };
   const bool all_arrivals = std::all_of(observations.arrivals.begin(), observations.arrivals.end(), known);
   const bool all_bearings = std::all_of(observations.bearings.begin(), observations.bearings.end(), known);
   if (all_arrivals && all_bearings) return locate_known(observations, fix);
@@ -45,7 +52,9 @@ void Localizer::locate(const Observations& observations, Fix& fix) noexcept {
     if (fix.rejections.size() == kept && (kept > 0 || fix.ok())) {
       fix.rejections.resize(rows.size());
       for (std::size_t i = rows.size(); i-- > 0;)
-        fix.rejections[i] = knows(rows[i]) ? fix.rejections[--kept] : Rejection::kUnknownId;
+        fix.rejections[i] = known(rows[i])   ? fix.rejections[--kept]
+                            : knows(rows[i]) ? Rejection::kOutOfRange
+                                             : Rejection::kUnknownId;
     }
   };
   if (rejections_of_ == RejectionsOf::kArrivals) {
@@ -79,7 +88,8 @@ Result<void> MisfitOf::in_the_plane(const Deployment& deployment) const {
 const MeasurementLog& known_rows(const MeasurementLog& log, const Deployment& deployment,
                                  MeasurementLog& room) {
   const auto strange_arrival = [&](const Arrival& a) {
-    return !is_known(a, deployment.beacons.size(), deployment.receivers.size());
+    return !is_known(a, deployment.beacons.size(), deployment.receivers.size()) || !is_possible(a) ||
+           !std::isfinite(a.time_s);
   };
   const auto strange_bearing = [&](const Bearing& b) { return !is_known(b, deployment.beacons.size()); };
   if (std::none_of(log.arrivals.begin(), log.arrivals.end(), strange_arrival) &&

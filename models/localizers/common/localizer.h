@@ -51,9 +51,9 @@ inline void count_rejections(Fix& fix) {
 
 /// A way of finding a vehicle, constructed from a `Deployment`. All memory is taken at construction: a call
 /// allocates nothing once `fix` has held a fix of as many arrivals, throws nothing, and ends in bounded time.
-/// What cannot be fixed is a fix with the reason in its status, never NaN. Ids may be any: what is none of
-/// the deployment's is left out before a method sees it (Rejection::kUnknownId; room for it may then be
-/// taken).
+/// What cannot be fixed is a fix with the reason in its status, never NaN. Ids and times of flight may be
+/// any: what is none of the deployment's, and what is beyond kLargestTof_s, is left out before a method sees
+/// it (Rejection::kUnknownId, kOutOfRange; room for it may then be taken).
 class Localizer {
  public:
   virtual ~Localizer() = default;
@@ -106,8 +106,8 @@ class MisfitOf {
   const char* method_;
 };
 
-/// The rows of a log whose beacons and receivers are the deployment's: the log itself, or what is left of it,
-/// in `room`.
+/// The rows of a log whose beacons and receivers are the deployment's and whose times are possible: the log
+/// itself, or what is left of it, in `room`.
 [[nodiscard]] const MeasurementLog& known_rows(const MeasurementLog& log, const Deployment& deployment,
                                                MeasurementLog& room);
 

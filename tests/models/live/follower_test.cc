@@ -167,6 +167,24 @@ TEST(Follower, OneRowFromTheFarFutureIsNoEnd) {
   EXPECT_TRUE(live.fixes.back().ok());
 }
 
+TEST(Follower, AStepOfImpossibleLengthIsRefused) {
+  const Deployment d = with_octagon(hall());
+  const Drive w = drive(d, 40, 1e-5, 1.0, 43);
+  for (const double length_m : {1e12, -1e160, 1e308}) {
+    MeasurementLog log = w.log;
+    log.odometry[log.odometry.size() / 2].dx_m = length_m;
+    Live live(d);
+    feed(live.follower, log);
+    EXPECT_EQ(live.follower.counts().refused, 1u) << length_m;
+    EXPECT_TRUE(live.fixes.back().ok()) << length_m;
+    for (const Fix& fix : live.fixes) {
+      if (!fix.ok()) continue;
+      EXPECT_TRUE(fix.covariance.allFinite()) << length_m;
+      EXPECT_LT(fix.T_map_vehicle.translation_m.norm(), 100.0) << length_m;
+    }
+  }
+}
+
 TEST(Follower, SomeRowsOutOfOrderAreNoClock) {
   const Deployment d = with_octagon(hall());
   const MeasurementLog log = stops(d);
@@ -280,7 +298,8 @@ RC_GTEST_PROP(Follower, TakesAnything, ()) {
     }
   }
   live.follower.flush();
-  for (const Fix& fix : live.fixes) RC_ASSERT(!fix.ok() || fix.T_map_vehicle.translation_m.allFinite());
+  for (const Fix& fix : live.fixes)
+    RC_ASSERT(!fix.ok() || (fix.T_map_vehicle.translation_m.allFinite() && fix.covariance.allFinite()));
 }
 
 }  // namespace

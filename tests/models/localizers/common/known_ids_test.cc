@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // What a robot feeds in can be wrong, never undefined: every localizer, the watch and whole recordings with
-// ids that are none of the deployment's. Run with the sanitizers too.
+// ids that are none of the deployment's and numbers that nothing can have. Run with the sanitizers too.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -23,6 +24,7 @@
 #include "models/localizers/reflectors/reflectors.h"
 #include "models/watch/watch.h"
 #include "tests/models/localizers/binaural_world.h"
+#include "tests/models/localizers/drive_world.h"
 #include "tests/models/localizers/hall.h"
 
 namespace octant::test {
@@ -188,6 +190,39 @@ TEST(KnownIds, EachMethodFixesOnWithAStranger) {
       EXPECT_NEAR(fix.T_map_vehicle.translation_m.x(), 12, 1e-3) << name;
       EXPECT_EQ(fix.rejections[3], Rejection::kUnknownId) << name;
     }
+}
+
+TEST(KnownIds, EachMethodFixesOnBesideAnImpossibleTime) {
+  const Deployment d = hall_for_all();
+  for (const double tof_s : {1e20, 1e160, -1e160, 1e308, std::numeric_limits<double>::infinity()}) {
+    std::vector<Arrival> arrivals = perfect_arrivals(d, Pose::planar(12, 6, 0.0));
+    arrivals[3].tof_s = tof_s;
+    for (const char* name : {"least_squares", "head_tail", "rail"})
+      for (const NamedLocalizer& each : all_localizers(d)) {
+        if (std::string(name) != each.name) continue;
+        const Fix fix = each.localizer->locate(Observations{arrivals, {}});
+        EXPECT_TRUE(fix.ok()) << name << ": " << to_string(fix.status);
+        EXPECT_NEAR(fix.T_map_vehicle.translation_m.x(), 12, 1e-3) << name;
+        ASSERT_EQ(fix.rejections.size(), arrivals.size()) << name;
+        EXPECT_EQ(fix.rejections[3], Rejection::kOutOfRange) << name << ", " << tof_s;
+      }
+  }
+}
+
+/// A tenth of a drive's times are impossible, and its last instant is none.
+TEST(KnownIds, AWholeDriveIsFixedOnBesideImpossibleNumbers) {
+  const Deployment d = with_octagon(hall());
+  const Drive w = drive(d, 40, 1e-5, 1.0, 43);
+  for (const double tof_s : {1e20, 1e160, 1e308}) {
+    MeasurementLog log = w.log;
+    for (std::size_t i = 0; i < log.arrivals.size(); i += 10) log.arrivals[i].tof_s = tof_s;
+    log.arrivals.back().time_s = std::nan("");
+    const auto fixes = locate_run(Method::kAuto, d, log);
+    ASSERT_TRUE(fixes);
+    const auto ok = std::count_if(fixes->begin(), fixes->end(), [](const Fix& fix) { return fix.ok(); });
+    EXPECT_GT(ok, std::ssize(*fixes) * 9 / 10) << tof_s;
+    EXPECT_FALSE(track(log, d).empty()) << tof_s;
+  }
 }
 
 }  // namespace
