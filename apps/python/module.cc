@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // octant._octant: what the Python package octant/ stands on. Parse, call, hand over; no estimation here.
+#include <cmath>
 #include <optional>
 #include <string>
 
@@ -20,6 +21,7 @@
 #include "io/text/atomic_file.h"
 #include "models/physics/unit_rotation.h"
 #include "models/simulator/synthetic.h"
+#include "models/support/largest.h"
 
 namespace octant::python {
 namespace {
@@ -66,6 +68,11 @@ Run read_run(const std::string& folder, const py::object& of, bool truth) {
   return {unlocked([&] { return io::read_run(folder, names, timing, options); }), names};
 }
 
+/// Arrays are refused where the readers of files refuse a row.
+void expect(bool holds, const char* message) {
+  if (!holds) throw py::value_error(message);
+}
+
 template <class Value>
 using Array = py::array_t<Value, py::array::c_style | py::array::forcecast>;
 
@@ -80,6 +87,10 @@ std::vector<OdometryStep> steps_of(const Array<double>& rows, VehicleId vehicle)
   for (py::ssize_t i = 0; i < rows.shape(0); ++i) {
     OdometryStep step{
         .time_s = rows.at(i, 0), .dx_m = rows.at(i, 1), .dy_m = rows.at(i, 2), .vehicle = vehicle};
+    for (py::ssize_t column = 0; column < rows.shape(1); ++column)
+      expect(std::isfinite(rows.at(i, column)), "odometry: a number is expected in each place");
+    for (py::ssize_t column = 1; column < (in_space ? 4 : 3); ++column)
+      expect(std::abs(rows.at(i, column)) <= kLargestLength_m, "odometry: metres are expected, at most 1e9");
     if (!steps.empty() && !(step.time_s > steps.back().time_s))
       throw py::value_error("odometry: time_s does not increase");
     if (in_space) {
@@ -114,6 +125,8 @@ Run make_run(const py::object& of, const Array<double>& time_s, const Array<std:
   if (epoch) check("epoch", *epoch);
   if (amplitude_v) check("amplitude_v", *amplitude_v);
   if (temperature_degC) check("temperature_degC", *temperature_degC);
+  expect(vehicle >= 0 && static_cast<std::size_t>(vehicle) < run.names.vehicles.size(),
+         "vehicle: there is none of this number");
   const ReceiverId only = run.names.find_receiver(VehicleId(vehicle), "");
   if (!receiver && !only.valid()) throw py::value_error("receiver: the vehicle has not just one");
   run.log.has_epochs = epoch.has_value();
@@ -129,7 +142,10 @@ Run make_run(const py::object& of, const Array<double>& time_s, const Array<std:
     if (epoch) a.epoch = epoch->at(i);
     if (amplitude_v) a.amplitude_v = amplitude_v->at(i);
     if (temperature_degC) a.temperature_degC = temperature_degC->at(i);
-    if (i > 0 && time_s.at(i) < time_s.at(i - 1)) throw py::value_error("time_s decreases");
+    expect(std::isfinite(a.time_s), "time_s: a number is expected in each place");
+    expect(i == 0 || a.time_s >= time_s.at(i - 1), "time_s decreases");
+    expect(!(std::abs(a.temperature_degC) > 100.0),
+           "temperature_degC: degrees Celsius from -100 to 100 are expected (20 degC are 293 K)");
   }
   if (odometry) run.log.odometry = steps_of(*odometry, VehicleId(vehicle));
   run.log.rows = run.log.arrivals.size();

@@ -134,6 +134,43 @@ def test_arrays_in(world):
         octant.make_run(deployment, [1.0, 0.0], [0, 1], [0.01, 0.01], receiver=[0, 0])
 
 
+def test_arrays_are_refused_where_files_are(world):
+    deployment, rows = world.truth, world.heldout.arrivals
+
+    def run_of(**other):
+        arrays = dict(time_s=rows["time_s"], beacon=rows["beacon"], tof_s=rows["tof_s"], receiver=rows["receiver"],
+                      epoch=rows["epoch"])
+        return octant.make_run(deployment, **{**arrays, **other})
+
+    odometry = np.array([[0.0, 0.0, 0.0, 0.0], [1.0, 0.1, 0.0, 0.0], [2.0, 0.1, 0.0, 0.0]])
+    for column, wrong in ((0, np.nan), (0, np.inf), (1, np.nan), (1, 1e160), (2, -1e12), (3, np.inf)):
+        strange = odometry.copy()
+        strange[-1, column] = wrong
+        with pytest.raises(ValueError, match="odometry"):
+            run_of(odometry=strange)
+    late = np.array(rows["time_s"])
+    late[-1] = np.nan
+    with pytest.raises(ValueError, match="time_s"):
+        run_of(time_s=late)
+    with pytest.raises(ValueError, match="293 K"):
+        run_of(temperature_degC=np.full(len(rows), 294.15))
+    for number in (-1, 1, 99):
+        with pytest.raises(ValueError, match="vehicle"):
+            run_of(vehicle=number)
+
+
+def test_an_impossible_time_harms_no_other(world):
+    deployment, rows = world.truth, world.heldout.arrivals
+    for wrong in (1e20, 1e160, 1e308, np.inf, np.nan):
+        tof = np.array(rows["tof_s"])
+        tof[::10] = wrong
+        run = octant.make_run(deployment, rows["time_s"], rows["beacon"], tof, receiver=rows["receiver"],
+                              epoch=rows["epoch"])
+        run.arrivals["time_s"][-1] = np.nan  # a view: who changes it is not asked
+        fixes = octant.localize(deployment, run)
+        assert np.all(fixes.table["ok"]), wrong
+
+
 def test_follows(world):
     deployment, rows = world.truth, world.heldout.arrivals
     follower = octant.Follower(deployment)
