@@ -124,6 +124,8 @@ Result<LiveRow> LiveReader::row(std::string_view line) const {
   if (std::abs(a.tof_s) > kLargestTof_s) return bad_line("tof_s is impossibly large");
   a.amplitude_v = live_number(object, "amplitude_v", a.amplitude_v);
   a.temperature_degC = live_number(object, "temperature_degC", a.temperature_degC);
+  if (!is_temperature(a.temperature_degC))
+    return bad_line("temperature_degC is beyond 100 degrees Celsius (20 degC are 293 K)");
   if (const auto epoch = object.find("epoch"); epoch != object.end() && !epoch->is_null()) {
     if (!epoch->is_number_integer()) return bad_line("epoch is no integer");
     a.epoch = epoch->get<std::int64_t>();

@@ -112,6 +112,10 @@ TEST(LiveRows, EveryFaultHasAName) {
             "tof_s is impossibly large");
   EXPECT_EQ(found(reader, R"({"time_s": 1, "beacon": "B0", "receiver": "rear", "tof_s": 1, "epoch": 1.5})"),
             "epoch is no integer");
+  EXPECT_EQ(
+      found(reader,
+            R"({"time_s": 1, "beacon": "B0", "receiver": "rear", "tof_s": 1, "temperature_degC": 294.15})"),
+      "temperature_degC is beyond 100 degrees Celsius (20 degC are 293 K)");
   EXPECT_EQ(found(reader, R"({"time_s": 1, "dx_m": 1e999})"), "not JSON");
   EXPECT_EQ(found(reader, R"({"time_s": 1, "dy_m": 0, "dx_m": 1e160})"),
             "dx_m, dy_m or dz_m is impossibly large");
