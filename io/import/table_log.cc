@@ -92,7 +92,8 @@ Result<void> check_mapping(const TableMapping& mapping) {
 }
 
 /// One line's cells. Quotes as in RFC 4180; several blanks are one delimiter.
-std::vector<std::string> cells_of(std::string_view line, char delimiter) {
+/// @param open  whether a quote does not end on the line
+std::vector<std::string> cells_of(std::string_view line, char delimiter, bool* open = nullptr) {
   std::vector<std::string> cells;
   std::string cell;
   bool quoted = false;
@@ -116,6 +117,7 @@ std::vector<std::string> cells_of(std::string_view line, char delimiter) {
     }
   }
   if (delimiter != ' ' || !cell.empty()) cells.push_back(cell);
+  if (open != nullptr) *open = quoted;
   for (std::string& text : cells) text = without_blanks(text);
   return cells;
 }
@@ -166,13 +168,32 @@ class TableReader {
     }
     if (sources_.empty())
       return fail({.code = Errc::kBadInput, .file = path_, .found = "the table is empty"});
+    if (rows.empty() && out_.dropped == 0 && out_.ignored == 0)
+      return fail({.code = Errc::kBadInput,
+                   .file = path_,
+                   .line = line_,
+                   .found = "the table has no rows under its header",
+                   .expected = "a row an arrival"});
     return finish(rows);
   }
 
  private:
+  Result<std::vector<std::string>> cells_in(std::string_view line) const {
+    bool open = false;
+    auto cells = cells_of(line, out_.delimiter, &open);
+    if (!open) return cells;
+    return fail({.code = Errc::kBadInput,
+                 .file = path_,
+                 .line = line_,
+                 .found = "a quote that does not end on its line",
+                 .expected = "quotes in pairs, and a row a line"});
+  }
+
   Result<void> read_header(std::string_view line) {
     out_.delimiter = delimiter_of(line, mapping_);
-    header_ = cells_of(line, out_.delimiter);
+    auto header = cells_in(line);
+    if (!header) return fail(header.error());
+    header_ = std::move(*header);
     std::vector<std::string> missing;
     for (const ColumnRule& rule : mapping_.columns) {
       const auto at = std::find(header_.begin(), header_.end(), rule.source);
@@ -199,10 +220,11 @@ class TableReader {
 
   /// False: the row is none of ours.
   Result<bool> read_row(std::string_view line, TableRow& row) {
-    const auto cells = cells_of(line, out_.delimiter);
+    const auto cells = cells_in(line);
+    if (!cells) return fail(cells.error());
     for (std::size_t i = 0; i < sources_.size(); ++i) {
       const ColumnRule& rule = mapping_.columns[i];
-      const std::string cell = sources_[i] < cells.size() ? cells[sources_[i]] : "";
+      const std::string cell = sources_[i] < cells->size() ? (*cells)[sources_[i]] : "";
       row.text += i == 0 ? "" : ",";
       if (rule.target == "beacon") {
         if (cell.empty()) return ++out_.dropped, false;
@@ -214,11 +236,15 @@ class TableReader {
       }
       double value = std::nan("");
       if (!cell.empty() && !number(cell, value))
-        return fail({.code = Errc::kBadInput,
-                     .file = path_,
-                     .line = line_,
-                     .found = fmt::format("{} in column {}", in_quotes(cell), in_quotes(rule.source)),
-                     .expected = "a number"});
+        return fail(
+            {.code = Errc::kBadInput,
+             .file = path_,
+             .line = line_,
+             .found = fmt::format("{} in column {}", in_quotes(cell), in_quotes(rule.source)),
+             .expected = "a number",
+             .advice = cell.find(',') == std::string::npos || out_.delimiter != ','
+                           ? ""
+                           : "a decimal comma is read where semicolons or tabulators part the cells"});
       value *= rule.factor;
       if (rule.target == "time_s") {
         if (!std::isfinite(value))

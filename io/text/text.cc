@@ -198,15 +198,16 @@ Result<void> check_utf8(std::string_view text, const std::string& file) {
   if (offset == text.size()) return {};
   const TextPosition at = position_of(text, offset);
   const bool utf16 = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
-  return fail(
-      {.file = file,
-       .line = at.line,
-       .column = at.column,
-       .found = utf16 ? "the file is UTF-16"
-                      : fmt::format("byte 0x{:02X} is not text; this looks like a binary or a damaged file",
-                                    static_cast<unsigned char>(text[offset])),
-       .expected = "UTF-8 text",
-       .advice = utf16 ? "save it as UTF-8" : ""});
+  const auto byte = static_cast<unsigned char>(text[offset]);
+  return fail({.file = file,
+               .line = at.line,
+               .column = at.column,
+               .found = utf16 ? "the file is UTF-16" : fmt::format("byte 0x{:02X} is not UTF-8 text", byte),
+               .expected = "UTF-8 text",
+               .advice = utf16         ? "save it as UTF-8"
+                         : byte < 0x80 ? "this looks like a binary or a damaged file"
+                                       : "a spreadsheet writes it as 'CSV UTF-8'; or this is a binary or a "
+                                         "damaged file"});
 }
 
 }  // namespace octant::io

@@ -104,6 +104,11 @@ TEST(TableLog, FaultsAreNamed) {
   EXPECT_NE(fault("t,b,d\n1,B1,far\n").find("t.csv:2"), std::string::npos);
   EXPECT_NE(fault("t,b,d\n,B1,1\n").find("without a time"), std::string::npos);
   EXPECT_NE(fault("").find("empty"), std::string::npos);
+  EXPECT_NE(fault("t,b,d\n").find("no rows under its header"), std::string::npos);
+  EXPECT_NE(fault("t,b,d\n1,\"B1,2\n2,B2,1\n").find("t.csv:2: a quote that does not end"), std::string::npos);
+  EXPECT_NE(fault("t,\"b,d\n1,B1,2\n").find("t.csv:1: a quote that does not end"), std::string::npos);
+  EXPECT_NE(fault("t,b,d\n\"1,5\",B1,2\n").find("decimal comma"), std::string::npos);
+  EXPECT_EQ(fault("t,b,d\n1,5,B1,2\n").find("decimal comma"), std::string::npos);
   EXPECT_NE(fault("t,b,d\n1,\xFF,1\n").find("t.csv"), std::string::npos);
 }
 

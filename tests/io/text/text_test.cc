@@ -59,6 +59,7 @@ TEST(Text, ExactNumbersReadBackTheSame) {
 TEST(Text, NamesThePlaceOfWhatIsNotUtf8) {
   EXPECT_TRUE(check_utf8("plain, Süd, 北, 🜨\n", "f"));
   expect_error(check_utf8("one\ntwo \xFF three", "f"), 2, "byte 0xFF");
+  EXPECT_NE(check_utf8("Empf\xE4nger", "f").error().advice.find("CSV UTF-8"), std::string::npos);
   expect_error(check_utf8(std::string("one\ntwo\n\0", 9), "f"), 3, "byte 0x00");
   expect_error(check_utf8("\xFF\xFEt\0", "f"), 1, "UTF-16");
   for (const char* bad :
