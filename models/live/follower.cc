@@ -21,6 +21,18 @@ bool of_one_pose(const Arrival& a, const Arrival& b) {
   return a.epoch != kNoEpoch || b.time_s - a.time_s <= kSamePing_s;
 }
 
+/// Marks that a sink is being called, until it has returned or thrown.
+class InSink {
+ public:
+  explicit InSink(bool& mark) : mark_(mark) { mark_ = true; }
+  ~InSink() { mark_ = false; }
+  InSink(const InSink&) = delete;
+  InSink& operator=(const InSink&) = delete;
+
+ private:
+  bool& mark_;
+};
+
 bool can_be_tracked(const Deployment& d) { return d.timing.clock == Clock::kSynchronised; }
 
 /// By as much the place may be another one by another calibration: sigmas of 5 cm and 0.01 rad, squared.
@@ -83,7 +95,7 @@ Follower::Lane* Follower::lane_of(VehicleId vehicle) {
 
 bool Follower::hear(const Arrival& arrival) {
   Lane* lane = lane_of(arrival.vehicle);
-  if (lane == nullptr || !std::isfinite(arrival.time_s) ||
+  if (in_sink_ || lane == nullptr || !std::isfinite(arrival.time_s) ||
       (arrival.time_s < lane->last_arrival_s && !is_set_back(*lane, lane->arrivals_behind, arrival.time_s))) {
     ++counts_.refused;
     return false;
@@ -127,7 +139,7 @@ bool Follower::move(const OdometryStep& step) {
   Lane* lane = lane_of(step.vehicle);
   const double longest_m = std::max({std::abs(step.dx_m), std::abs(step.dy_m), std::abs(step.dz_m)});
   const bool is_possible = std::isfinite(step.time_s) && step.is_finite() && longest_m <= kLargestLength_m;
-  if (lane == nullptr || !is_possible ||
+  if (in_sink_ || lane == nullptr || !is_possible ||
       (lane->row_s && step.time_s <= *lane->row_s &&
        !is_set_back(*lane, lane->odometry_behind, step.time_s))) {
     ++counts_.refused;
@@ -147,11 +159,13 @@ bool Follower::move(const OdometryStep& step) {
 }
 
 void Follower::flush() {
+  if (in_sink_) return;
   for (Lane& lane : lanes_)
     if (lane.has_open_pose()) fix_pose(lane);
 }
 
 void Follower::flush_pings() {
+  if (in_sink_) return;
   for (Lane& lane : lanes_)
     if (lane.has_open_pose() && lane.waiting.back().epoch == kNoEpoch) fix_pose(lane);
 }
@@ -217,6 +231,7 @@ void Follower::track_instant(Lane& lane, std::span<const Arrival> arrivals) {
 void Follower::report_alarm(const std::optional<WatchAlarm>& alarm) {
   if (!alarm) return;
   ++counts_.alarms;
+  const InSink mark(in_sink_);
   if (on_alarm) on_alarm(*alarm);
 }
 
@@ -227,6 +242,7 @@ void Follower::report_fix(std::span<const Arrival> arrivals) {
   const auto used = static_cast<std::size_t>(std::max(fix_.ok() ? fix_.arrivals_used : 0, 0));
   counts_.used += std::min(used, arrivals.size());
   counts_.rejected += arrivals.size() - std::min(used, arrivals.size());
+  const InSink mark(in_sink_);
   if (on_fix) on_fix(fix_);
 }
 

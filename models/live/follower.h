@@ -54,7 +54,8 @@ class Follower {
  public:
   explicit Follower(Deployment deployment, const FollowOptions& options = {});
 
-  /// Called for each fix, those without a pose included, and for each alarm of the watch.
+  /// Called for each fix, those without a pose included, and for each alarm of the watch. Within them nothing
+  /// is taken: rows are refused, and nothing is flushed.
   std::function<void(const Fix&)> on_fix;
   std::function<void(const WatchAlarm&)> on_alarm;
 
@@ -110,6 +111,7 @@ class Follower {
   std::unique_ptr<Watch> watch_;
   FollowCounts counts_;
   Fix fix_;
+  bool in_sink_ = false;  ///< the rows that a sink is told of are still in use
 };
 
 }  // namespace octant

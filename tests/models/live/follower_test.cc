@@ -185,6 +185,25 @@ TEST(Follower, AStepOfImpossibleLengthIsRefused) {
   }
 }
 
+/// A sink that feeds what it is told of would fix one pose again and again.
+TEST(Follower, NothingIsTakenWithinASink) {
+  const Deployment d = with_octagon(hall());
+  const MeasurementLog log = stops(d);
+  Follower follower(d);
+  int fixes = 0;
+  follower.on_fix = [&](const Fix&) {
+    ++fixes;
+    EXPECT_FALSE(follower.hear(log.arrivals.back()));
+    EXPECT_FALSE(follower.move({1e3, 0, 0, 0, VehicleId(0)}));
+    follower.flush();
+    follower.flush_pings();
+  };
+  for (const Arrival& a : log.arrivals) EXPECT_TRUE(follower.hear(a));
+  follower.flush();
+  EXPECT_EQ(fixes, 10);
+  EXPECT_EQ(follower.counts().refused, 20u);
+}
+
 TEST(Follower, SomeRowsOutOfOrderAreNoClock) {
   const Deployment d = with_octagon(hall());
   const MeasurementLog log = stops(d);
