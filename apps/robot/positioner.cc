@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <vector>
 
 #include "io/deployment/deployment_json.h"
@@ -23,6 +24,13 @@ Place place_of(const Fix& fix) {
   place.sigma_z_m = spatial ? std::sqrt(std::max(fix.covariance(2, 2), 0.0)) : 0.0;
   place.covariance_xy_m2 = fix.covariance(0, 1);
   return place;
+}
+
+bool is_noise(const OdometryNoise& odometry) {
+  const double sigmas[] = {odometry.distance_sigma_m_per_sqrt_m, odometry.heading_sigma_rad_per_sqrt_m,
+                           odometry.heading_sigma_per_rad, odometry.floor_m, odometry.floor_rad};
+  return std::all_of(std::begin(sigmas), std::end(sigmas),
+                     [](double sigma) { return sigma >= 0.0 && std::isfinite(sigma); });
 }
 
 }  // namespace
@@ -55,6 +63,10 @@ Positioner::Positioner(const std::string& deployment_path, const OdometryNoise& 
   auto deployment = io::read_deployment(deployment_path);
   if (!deployment) {
     inside_->error = deployment.error().message();
+    return;
+  }
+  if (!is_noise(odometry)) {
+    inside_->error = "the noise of the odometry is no number from 0 on";
     return;
   }
   inside_->names = names_of(*deployment);

@@ -66,7 +66,8 @@ struct Place {
 /// Finds a vehicle by a deployment. One object is for one thread at a time.
 class [[gnu::visibility("default")]] Positioner {
  public:
-  /// Reads a deployment file. Where that fails the object is false, and error() says where and why.
+  /// Reads a deployment file. Where that fails, or a noise is no number from zero on, the object is false,
+  /// and error() says where and why.
   explicit Positioner(const std::string& deployment_path, const OdometryNoise& odometry = {});
   ~Positioner();
   Positioner(Positioner &&) noexcept;
@@ -80,8 +81,8 @@ class [[gnu::visibility("default")]] Positioner {
   [[nodiscard]] Place locate(std::span<const Heard> heard) noexcept;
 
   /// As it goes, in the order of time: arrivals are fixed as soon as all of a place have come, and while
-  /// there is odometry the vehicle is tracked. Fixes go to on_place. @return false: a name is unknown, or
-  /// time runs backwards
+  /// there is odometry the vehicle is tracked. Fixes go to on_place. @return false: a name is unknown, time
+  /// runs backwards, or it is called within on_place, where nothing is taken
   void on_place(std::function<void(const Place&)> sink);
   bool hear(const Heard& heard);
   bool move(const Moved& moved);

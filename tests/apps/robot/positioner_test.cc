@@ -3,6 +3,9 @@
 // The library of a robot's own program against the rooms that it stands on, row by row.
 #include "apps/robot/octant/positioner.h"
 
+#include <cmath>
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "io/deployment/deployment_json.h"
@@ -156,6 +159,16 @@ TEST(Positioner, SaysWhatItCannotRead) {
   EXPECT_FALSE(positioner.hear({.beacon = "B0", .tof_s = 0.01}));
   EXPECT_FALSE(positioner.move({.time_s = 1.0}));
   positioner.flush();
+}
+
+TEST(Positioner, OdometryNoiseIsANumberFromZeroOn) {
+  const Robot robot(must(simulate(hall_scenario(), 5)));
+  EXPECT_TRUE(Positioner(robot.path(), {.distance_sigma_m_per_sqrt_m = 0.0}));
+  for (const double wrong : {-0.01, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    const Positioner positioner(robot.path(), {.floor_m = wrong});
+    EXPECT_FALSE(positioner) << wrong;
+    EXPECT_NE(positioner.error().find("odometry"), std::string::npos) << positioner.error();
+  }
 }
 
 TEST(Positioner, MovesWithItsSink) {
