@@ -39,6 +39,20 @@ Reverberance reverberance_of(const SurveyModel& model, const FloorScheduleOption
   return r;
 }
 
+/// From the floor, which is at zero, or as low as what stands above it where all of that is below, to
+/// somewhat above the highest beacon.
+double hall_height_m(const SurveyModel& model) {
+  double highest_m = -INFINITY, lowest_m = model.vehicle_z_m;
+  for (const SurveyBeacon& b : model.beacons) {
+    highest_m = std::max(highest_m, b.p_map_m.z());
+    lowest_m = std::min(lowest_m, b.p_map_m.z());
+  }
+  for (const SurveyReceiver& r : model.receivers)
+    lowest_m = std::min(lowest_m, model.vehicle_z_m + r.p_vehicle_m.z());
+  const double floor_m = highest_m < 0.0 ? lowest_m : 0.0;
+  return std::max(highest_m, floor_m) - floor_m + kAboveBeaconsM;
+}
+
 Audience audience_of(const SurveyModel& model, const FloorGrid& grid, int threads) {
   Audience audience;
   const PoseList poses = poses_of(grid, 0.0, model.vehicle_z_m);
@@ -74,9 +88,7 @@ Result<FloorSchedule> floor_schedule(const SurveyModel& model, const Scene& scen
                  .expected = "attenuation with a threshold_v, acoustics.range_m of a scene (--scene), or "
                              "gates.max_range_m of a site file",
                  .advice = "a schedule waits until a pulse has gone, and nothing says when that is"});
-  double highest_m = 0.0;
-  for (const SurveyBeacon& b : model.beacons) highest_m = std::max(highest_m, b.p_map_m.z());
-  out.height_m = options.height_m.value_or(highest_m + kAboveBeaconsM);
+  out.height_m = options.height_m.value_or(hall_height_m(model));
   out.reverberance = reverberance_of(model, options, out.height_m);
   if (!(model.hearing.threshold_v > 0))
     out.warnings.push_back(

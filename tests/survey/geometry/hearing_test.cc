@@ -121,6 +121,25 @@ TEST(StopPlaces, KeepTheirClearance) {
   EXPECT_FALSE(stop_places(model, hall.scene, 1e-3, 0.4)) << "too many";
 }
 
+/// A cellar's slots are those of the same hall at ground level.
+TEST(FloorSchedule, AHallBelowZeroIsAsHigh) {
+  test::Hall hall = test::rectangle_hall();
+  hall.site.motion = Motion::kSpatial;
+  hall.site.beacons.clear();
+  for (int i = 0; i < 5; ++i)
+    hall.site.beacons.push_back(test::beacon("B" + std::to_string(i), {1.0 + i, 0.1 * i * i, 2.5}, 0.1));
+  hall.scene.acoustics.range_m = 12.0;
+  const SurveyModel model = must(make_survey_model(hall.site, hall.scene));
+  const FloorSchedule above = must(floor_schedule(model, hall.scene, {}));
+  EXPECT_NEAR(above.height_m, 3.0, 1e-12);
+  SurveyModel cellar = model;
+  cellar.vehicle_z_m -= 12.0;
+  for (SurveyBeacon& b : cellar.beacons) b.p_map_m.z() -= 12.0;
+  const FloorSchedule below = must(floor_schedule(cellar, hall.scene, {}));
+  EXPECT_NEAR(below.height_m, above.height_m, 1e-12);
+  EXPECT_NEAR(below.silent.slot_s, above.silent.slot_s, 1e-12);
+}
+
 TEST(FloorSchedule, FarBeaconsShareASlot) {
   test::Hall hall = test::rectangle_hall();
   hall.scene.floor_m = {{0, 0}, {80, 0}, {80, 6}, {0, 6}};
