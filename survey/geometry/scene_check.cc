@@ -37,6 +37,12 @@ Result<void> check_outline(const Scene& scene, const std::string& name, const Po
     return bad(scene, line, fmt::format("{} has {} corners", name, points.size()),
                fmt::format("{} at most", kMostCorners));
   if (!finite(points)) return bad(scene, line, name + " has a corner that is no finite number", "numbers");
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (points[i] == points[(i + 1) % points.size()])
+      return bad(scene, line,
+                 fmt::format("{} has the corner {} twice in a row{}", name, at(points[i]),
+                             i + 1 < points.size() ? "" : ", at its end and its begin"),
+                 "each corner once; an outline closes by itself");
   if (const auto cross = self_crossing(points)) {
     const auto side = [&](std::size_t i) {
       return fmt::format("the side from {} to {}", at(points[i]), at(points[(i + 1) % points.size()]));

@@ -78,6 +78,9 @@ TEST(SceneCheck, FloorsAreOutlines) {
   expect_bad([](Scene& s) { s.floor_m[1].x() = kNan; }, 3, "no finite number");
   expect_bad([](Scene& s) { s.floor_m[1].y() = kInf; }, 3, "no finite number");
   expect_bad([](Scene& s) { std::swap(s.floor_m[1], s.floor_m[2]); }, 3, "crosses itself: the side from");
+  expect_bad([](Scene& s) { s.floor_m.push_back(s.floor_m[0]); }, 3,
+             "the floor has the corner (0, 0) twice in a row, at its end and its begin");
+  expect_bad([](Scene& s) { s.floor_m.insert(s.floor_m.begin() + 1, s.floor_m[1]); }, 3, "twice in a row");
   expect_bad([](Scene& s) { s.floor_m.assign(20001, Eigen::Vector2d(1, 1)); }, 3, "20000 at most");
 }
 
