@@ -58,7 +58,8 @@ Result<SurveyInput> read_survey_input(const std::string& path, const std::string
   if (!text) return fail(text.error());
   SurveyInput input;
   const std::size_t first = text->find_first_not_of(" \t\r\n\xEF\xBB\xBF");
-  if (first != std::string::npos && (*text)[first] == '{') {
+  const bool json = first != std::string::npos && (*text)[first] == '{';
+  if (json && text->find("\"octant_site\"") == std::string::npos) {  // JSON is YAML: a site may be written so
     auto deployment = io::deployment_from_json(*text, path);
     if (!deployment) return fail(deployment.error());
     input.deployment = std::move(*deployment);

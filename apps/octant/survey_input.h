@@ -31,8 +31,8 @@ enum class BeaconPlaces {
   kRecorded  ///< where recordings will find them: the model is not made yet (site files only)
 };
 
-/// Reads a site file or a deployment (told apart by their first character) and the scene; warnings go to the
-/// session.
+/// Reads a site file or a deployment (a deployment is JSON that does not say octant_site) and the scene;
+/// warnings go to the session.
 /// @param scene_path  file with a scene alone; empty: the site's own
 /// @param vehicle  name; empty: the first one
 /// @param cell_m  goes before the scene's

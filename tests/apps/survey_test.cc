@@ -48,6 +48,20 @@ TEST(SurveyCommand, KeysOfTheContract) {
   EXPECT_EQ(bins["rows"][0].size(), 20u);
 }
 
+/// JSON is YAML, and a script writes it.
+TEST(SurveyCommand, ASiteFileMayBeJson) {
+  const TemporaryFolder folder;
+  spit(
+      folder / "site.yaml",
+      R"({"octant_site": 1, "motion": "planar", "medium": {"model": "constant", "speed_mps": 343}, "noise": {"tof_sigma_s": 1e-5},
+  "beacons": [{"id": "A", "position_m": [0, 0, 2], "sigma_m": 0}, {"id": "B", "position_m": [8, 0, 2], "sigma_m": 0},
+              {"id": "C", "position_m": [4, 6, 2], "sigma_m": 0}],
+  "vehicles": [{"id": "robot", "receivers": [{"id": "r0", "position_m": [0, 0, 0.3], "sigma_m": 0.001}]}]})");
+  const Outcome survey = octant({"survey", folder / "site.yaml", "--json"});
+  EXPECT_EQ(survey.exit, 0) << survey.err;
+  EXPECT_EQ(survey.json()["beacons"], 3);
+}
+
 TEST(SurveyCommand, VerdictFirstInTenLinesTheRestWithV) {
   const TemporaryFolder folder;
   spit(folder / "site.yaml", aisles("cell_m: 0.25", "cell_m: 1"));
