@@ -107,10 +107,10 @@ void draw_place(std::string& svg, const Survey& survey, const Frame& frame, bool
 void draw_axes(std::string& svg, const Frame& frame) {
   const double step = round_down((frame.high_m - frame.low_m).maxCoeff() / 4);
   for (double k = std::ceil(frame.low_m.x() / step); k * step <= frame.high_m.x(); ++k)
-    svg += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='middle'>{:.6g}</text>", frame.x(k * step),
+    svg += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='middle'>{:.10g}</text>", frame.x(k * step),
                        frame.bottom() + 14, k * step + 0.0);
   for (double k = std::ceil(frame.low_m.y() / step); k * step <= frame.high_m.y(); ++k)
-    svg += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='end'>{:.6g}</text>", kMargin_px - 6,
+    svg += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='end'>{:.10g}</text>", kMargin_px - 6,
                        frame.y(k * step) + 4, k * step + 0.0);
   svg += "\n";
 }

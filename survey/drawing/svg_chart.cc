@@ -40,13 +40,13 @@ struct Axes {
     for (const double tick : axis_ticks(y_low, y_high)) {
       svg += fmt::format("<line class='{}' x1='{:.1f}' y1='{:.1f}' x2='{:.1f}' y2='{:.1f}'/>",
                          tick == 0.0 ? "zero" : "grid", kLeft, y(tick), kWidth - kRight, y(tick));
-      svg += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='end'>{:.5g}</text>\n", kLeft - 8,
+      svg += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='end'>{:.10g}</text>\n", kLeft - 8,
                          y(tick) + 4, tick);
     }
     svg += fmt::format("<text x='{}' y='{}'>{}</text>\n", 8, 18, escape_xml(name));
   }
   void draw_x(const std::string& name) {
-    for (const double tick : axis_ticks(x_low, x_high, 9)) tick_x(x(tick), fmt::format("{:.6g}", tick));
+    for (const double tick : axis_ticks(x_low, x_high, 9)) tick_x(x(tick), fmt::format("{:.10g}", tick));
     name_x(name);
   }
   void tick_x(double at_px, const std::string& label) {

@@ -100,6 +100,19 @@ TEST(MapSvg, ACorridorOnEndIsNoTower) {
   EXPECT_LT(height, 1.5 * width);
 }
 
+/// National grids have seven digits before the point.
+TEST(MapSvg, AxesOfANationalGridAreRead) {
+  Survey survey;
+  const Eigen::Vector2d corner(500000, 5700000);
+  for (const Eigen::Vector2d& p : empty_survey().model.floor_m) survey.model.floor_m.push_back(corner + p);
+  BinnedMap map = two_by_four();
+  map.origin_m = corner;
+  const std::string svg = map_svg(survey, map);
+  EXPECT_THAT(svg, HasSubstr(">500001<"));
+  EXPECT_THAT(svg, HasSubstr(">5700001<"));
+  EXPECT_THAT(svg, Not(HasSubstr("e+0")));
+}
+
 TEST(FigureText, IsAsPeopleReadIt) {
   EXPECT_EQ(figure_text(0.0421, "m"), "42.1 mm");
   EXPECT_EQ(figure_text(0.0994, "m"), "99.4 mm");

@@ -102,6 +102,16 @@ TEST(ErrorCurve, RisesFromTheLeastErrorToAllFixes) {
   EXPECT_THAT(error_curve_svg(quantiles_m, std::nullopt), Not(HasSubstr("tolerance")));
 }
 
+/// Seconds since 1970.
+TEST(ResidualChart, LargeNumbersAreReadOnTheAxis) {
+  ResidualChart chart{.by = "time", .unit = "s"};
+  for (int i = 0; i < 5; ++i)
+    chart.bins.push_back({.from = 1.7e9 + 100 * i, .to = 1.7e9 + 100 * (i + 1), .count = 3, .rms_s = 1e-5});
+  const std::string svg = residual_chart_svg(chart);
+  EXPECT_THAT(svg, HasSubstr(">1700000200<"));
+  EXPECT_THAT(svg, Not(HasSubstr("e+09")));
+}
+
 TEST(ErrorCurve, OfNothingIsNothingAndOfOneIsAPoint) {
   EXPECT_EQ(error_curve_svg({}, 0.1), "");
   EXPECT_THAT(error_curve_svg({0.01}, std::nullopt), Not(HasSubstr("nan")));
