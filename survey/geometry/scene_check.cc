@@ -24,7 +24,7 @@ tl::unexpected<Error> bad(const Scene& scene, int line, std::string found, std::
                .advice = std::move(advice)});
 }
 
-std::string at(const Eigen::Vector2d& p) { return fmt::format("({:g}, {:g})", p.x(), p.y()); }
+std::string at(const Eigen::Vector2d& p) { return fmt::format("({:.10g}, {:.10g})", p.x(), p.y()); }
 
 bool finite(const Points& points) {
   return std::all_of(points.begin(), points.end(), [](const Eigen::Vector2d& p) { return p.allFinite(); });

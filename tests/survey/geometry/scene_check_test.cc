@@ -81,6 +81,12 @@ TEST(SceneCheck, FloorsAreOutlines) {
   expect_bad([](Scene& s) { s.floor_m.push_back(s.floor_m[0]); }, 3,
              "the floor has the corner (0, 0) twice in a row, at its end and its begin");
   expect_bad([](Scene& s) { s.floor_m.insert(s.floor_m.begin() + 1, s.floor_m[1]); }, 3, "twice in a row");
+  expect_bad(
+      [](Scene& s) {
+        for (Eigen::Vector2d& p : s.floor_m) p += Eigen::Vector2d(500000, 5700000);
+        std::swap(s.floor_m[1], s.floor_m[2]);
+      },
+      3, "(500012, 5700008)");
   expect_bad([](Scene& s) { s.floor_m.assign(20001, Eigen::Vector2d(1, 1)); }, 3, "20000 at most");
 }
 
