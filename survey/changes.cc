@@ -12,6 +12,10 @@
 namespace octant::survey {
 namespace {
 
+/// A control point that was knocked shows a part of its way in its own delay, and others' places take up no
+/// more than the way: what is so many times as far as the delay says was moved itself.
+constexpr double kWaysOfDelay = 10.0;
+
 /// Shift weighted by its covariance, in the directions that have one.
 std::optional<double> chance_of(const Eigen::Vector3d& shift_m, const Eigen::Matrix3d& C) {
   const SymmetricEigen<Eigen::Matrix3d> eigen(C);
@@ -86,6 +90,23 @@ std::vector<Change> found_by_visit(const Deployment& now, const std::vector<Chan
   return found;
 }
 
+/// Shifts that the control points in doubt may explain are told no more. One that is held in both deployments
+/// stands where it was stated, by no datum.
+void put_down_to_datum(const Deployment& now, Changes& changes) {
+  double longest_s = 0.0;
+  for (const BeaconChange& c : changes.beacons)
+    if (std::count(changes.doubted_control_points.begin(), changes.doubted_control_points.end(), c.name) > 0)
+      longest_s = std::max(longest_s, std::abs(c.delay_change_s));
+  const double explained_m = kWaysOfDelay * longest_s * now.speed_mps(now.medium.temperature_degC);
+  for (BeaconChange& c : changes.beacons)
+    c.by_datum = c.significant && c.p.has_value() && c.shift_m.norm() <= explained_m;
+  std::erase_if(changes.found, [&](const Change& found) {
+    return found.kind == ChangeKind::kBeaconMoved &&
+           std::any_of(changes.beacons.begin(), changes.beacons.end(),
+                       [&](const BeaconChange& c) { return c.by_datum && c.name == found.subject; });
+  });
+}
+
 /// What is more than chance; and what a control point that was knocked may explain. It is held, so that its
 /// own delay takes up a part of what it moved, and the others' places the rest.
 void judge(const Deployment& before, const Deployment& now, const Drift& drift, Changes& changes) {
@@ -106,9 +127,7 @@ void judge(const Deployment& before, const Deployment& now, const Drift& drift, 
                       !c.significant;
     if (held && c.delay_significant) changes.doubted_control_points.push_back(c.name);
   }
-  if (changes.doubted_control_points.empty()) return;
-  for (BeaconChange& c : changes.beacons) c.by_datum = c.significant && c.p.has_value();
-  std::erase_if(changes.found, [](const Change& c) { return c.kind == ChangeKind::kBeaconMoved; });
+  if (!changes.doubted_control_points.empty()) put_down_to_datum(now, changes);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/changes.h"
 
+#include <algorithm>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -100,6 +101,42 @@ TEST(Changes, ADoubtfulControlPointMayExplainTheShiftsOfOthers) {
   EXPECT_EQ(changes.doubted_control_points, std::vector<std::string>{now.beacons[0].name});
   EXPECT_TRUE(changes.beacons[1].by_datum);
   EXPECT_FALSE(changes.beacons[1].moved());
+}
+
+bool is_told(const Changes& changes, ChangeKind kind, const std::string& subject) {
+  return std::any_of(changes.found.begin(), changes.found.end(),
+                     [&](const Change& c) { return c.kind == kind && c.subject == subject; });
+}
+
+/// A beacon that was replaced at a control point's place, by 9 mm of delay, moves nothing by half a metre.
+TEST(Changes, ASmallDelayOfAControlPointExplainsNoLargeShift) {
+  Deployment before = full_report().plan.deployment;
+  before.timing.delay_per.beacon = true;
+  for (DeploymentBeacon& b : before.beacons) b.delay_sigma_s = 1e-6;
+  Deployment now = before;
+  now.beacons[0].delay_s += 25e-6;
+  now.beacons[1].position_m.x() += 0.5;
+  const Changes changes = changes_between(before, now);
+  EXPECT_EQ(changes.doubted_control_points.size(), 1u);
+  EXPECT_TRUE(changes.beacons[1].moved());
+  EXPECT_TRUE(is_told(changes, ChangeKind::kBeaconMoved, now.beacons[1].name));
+  EXPECT_TRUE(is_told(changes, ChangeKind::kDelay, now.beacons[0].name));
+}
+
+/// A control point that was surveyed anew at another place stands there, whatever another one's delay says.
+TEST(Changes, AControlPointStatedElsewhereIsTold) {
+  Deployment before = full_report().plan.deployment;
+  before.timing.delay_per.beacon = true;
+  for (DeploymentBeacon& b : before.beacons) b.delay_sigma_s = 1e-6;
+  before.beacons[2].status = BeaconStatus::kControlPoint;
+  before.beacons[2].covariance_m2.setZero();
+  Deployment now = before;
+  now.beacons[0].position_m.y() += 0.5;
+  now.beacons[2].delay_s += 25e-6;
+  const Changes changes = changes_between(before, now);
+  ASSERT_EQ(changes.doubted_control_points, std::vector<std::string>{now.beacons[2].name});
+  EXPECT_TRUE(changes.beacons[0].moved());
+  EXPECT_TRUE(is_told(changes, ChangeKind::kBeaconMoved, now.beacons[0].name));
 }
 
 TEST(Changes, AnotherSourceOfTheScaleIsNoOtherFrame) {
