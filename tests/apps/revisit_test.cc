@@ -163,6 +163,12 @@ TEST_F(SecondVisit, ADeploymentOfAnotherSiteIsAskedAfter) {
   for (auto& b : other.beacons) b.position_m = turn * b.position_m + Eigen::Vector3d(30, -7, 0);
   ASSERT_TRUE(io::write_deployment(out("turned.json"), other));
   EXPECT_TRUE(octant({"diff", out("d.json"), out("turned.json"), "--json"}).json()["warnings"].empty());
+  auto national = other;
+  for (auto& b : national.beacons) b.position_m += Eigen::Vector3d(500000, 5700000, 0);
+  ASSERT_TRUE(io::write_deployment(out("national.json"), national));
+  const auto warnings = octant({"diff", out("d.json"), out("national.json"), "--json"}).json()["warnings"];
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_THAT(warnings[0].get<std::string>(), HasSubstr("in frames of their own"));
   other.site = "barn";
   for (std::size_t i = 0; i < other.beacons.size(); ++i)
     other.beacons[i].position_m.x() *= 0.3 + 0.2 * static_cast<double>(i);

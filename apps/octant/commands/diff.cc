@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -63,13 +64,30 @@ std::optional<double> share_of_same_distances(const std::vector<std::array<Eigen
   return static_cast<double>(same) / static_cast<double>(pairs);
 }
 
+/// How far the beacon that moved least did, where that is a hundred times the site's extent and more.
+std::optional<double> way_between_frames(const std::vector<std::array<Eigen::Vector3d, 2>>& places) {
+  constexpr double kExtents = 100.0;
+  double extent_m = 1.0, least_m = INFINITY;
+  for (const auto& place : places) {
+    least_m = std::min(least_m, (place[1] - place[0]).norm());
+    for (const auto& other : places) extent_m = std::max(extent_m, (other[0] - place[0]).norm());
+  }
+  return std::isfinite(least_m) && least_m > kExtents * extent_m ? std::optional(least_m) : std::nullopt;
+}
+
 /// Two sites compared give a table of differences that mean nothing.
 void warn_of_two_sites(const Deployment& before, const Deployment& now, Session& session) {
   constexpr double kTwoSites = 0.25;
   if (before.site != now.site)
     session.warn(
         fmt::format("these are deployments of '{}' and of '{}': are they one site?", before.site, now.site));
-  const auto share = share_of_same_distances(common_places(before, now));
+  const auto places = common_places(before, now);
+  if (const auto way_m = way_between_frames(places))
+    session.warn(
+        fmt::format("the two maps lie {:.0f} m and more from each other, in frames of their own, it "
+                    "seems: what is told beside that may be rounding; compare them in one frame",
+                    *way_m));
+  const auto share = share_of_same_distances(places);
   if (share && *share < kTwoSites)
     session.warn(
         fmt::format("{:.0f} % of the distances between beacons of the same name are the same: are these two "
