@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // octant._octant: what the Python package octant/ stands on. Parse, call, hand over; no estimation here.
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -152,8 +153,19 @@ Run make_run(const py::object& of, const Array<double>& time_s, const Array<std:
   return run;
 }
 
+/// Whether a beacon's or a receiver's number is the same one's by both.
+bool same_names(const NameTable& a, const NameTable& b) {
+  return a.beacons == b.beacons && a.vehicles == b.vehicles &&
+         std::equal(a.receivers.begin(), a.receivers.end(), b.receivers.begin(), b.receivers.end(),
+                    [](const NameTable::Receiver& one, const NameTable::Receiver& other) {
+                      return one.name == other.name && one.vehicle == other.vehicle;
+                    });
+}
+
 Fixes localize(const Deployment& deployment, const Run& run, const std::string& method) {
   const Method how = method_named(method);
+  expect(same_names(run.names, names_of(deployment)),
+         "the run was read by other names than the deployment's: read_run(folder, deployment)");
   auto found = unlocked([&] { return app::localize_runs(deployment, {run.log}, how); });
   return {std::move(found.fixes), names_of(deployment), found.speeds.front()};
 }

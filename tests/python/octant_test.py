@@ -171,6 +171,18 @@ def test_an_impossible_time_harms_no_other(world):
         assert np.all(fixes.table["ok"]), wrong
 
 
+def test_a_run_is_read_by_the_names_of_its_deployment(world, tmp_path):
+    text = world.truth.to_json()
+    (tmp_path / "site.yaml").write_text(world.site.to_yaml().replace("id: B0,", "id: B9,"), encoding="utf-8")
+    other = octant.read_site(str(tmp_path / "site.yaml"))
+    assert other.beacons != world.site.beacons and "B0" in text
+    rows = world.heldout.arrivals
+    run = octant.make_run(other, rows["time_s"], rows["beacon"], rows["tof_s"], receiver=rows["receiver"], epoch=rows["epoch"])
+    with pytest.raises(ValueError, match="other names"):
+        octant.localize(world.truth, run)
+    assert len(octant.localize(world.truth, octant.make_run(world.site, [0.0], [0], [0.01], receiver=[0]))) == 1
+
+
 def test_follows(world):
     deployment, rows = world.truth, world.heldout.arrivals
     follower = octant.Follower(deployment)
