@@ -85,7 +85,7 @@ void bind_live(py::module_& m) {
             return live.follower->hear(*arrival);
           },
           "time_s"_a, "beacon"_a, "tof_s"_a, "receiver"_a = "", "vehicle"_a = "", "epoch"_a = py::none(),
-          "One arrival; False: it runs backwards in time.")
+          "One arrival; False: it runs backwards in time, or repeats another one.")
       .def(
           "move",
           [](Live& live, double time_s, double dx_m, double dy_m, double dheading_rad,

@@ -33,6 +33,17 @@ class InSink {
   bool& mark_;
 };
 
+bool is_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
+/// As in files: a row that comes twice is one measurement.
+bool is_repeated(const Arrival& a, const std::vector<Arrival>& in_order_of_time) {
+  for (auto b = in_order_of_time.rbegin(); b != in_order_of_time.rend() && b->time_s == a.time_s; ++b)
+    if (b->beacon == a.beacon && b->receiver == a.receiver && b->epoch == a.epoch && b->tof_s == a.tof_s &&
+        is_same(b->amplitude_v, a.amplitude_v) && is_same(b->temperature_degC, a.temperature_degC))
+      return true;
+  return false;
+}
+
 bool can_be_tracked(const Deployment& d) { return d.timing.clock == Clock::kSynchronised; }
 
 /// By as much the place may be another one by another calibration: sigmas of 5 cm and 0.01 rad, squared.
@@ -101,6 +112,10 @@ bool Follower::hear(const Arrival& arrival) {
     return false;
   }
   lane->arrivals_behind = {};
+  if (is_repeated(arrival, lane->waiting)) {
+    ++counts_.refused;
+    return false;
+  }
   ++counts_.arrivals;
   lane->last_arrival_s = arrival.time_s;
   if (lane->row_s || lane->localizer == nullptr) {  // tracked: until its odometry comes

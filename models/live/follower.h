@@ -35,8 +35,8 @@ struct FollowCounts {
   std::size_t arrivals = 0, odometry_rows = 0;  ///< taken
   std::size_t fixes = 0, no_fix = 0;
   std::size_t used = 0, rejected = 0;  ///< arrivals, by the fixes
-  std::size_t refused = 0;  ///< rows that run backwards in time, or say no number or an impossible length,
-                            ///< or of a vehicle that is none
+  std::size_t refused = 0;  ///< rows that run backwards in time, repeat one that waits, say no number or
+                            ///< an impossible length, or are of a vehicle that is none
   std::size_t dropped = 0;  ///< arrivals that waited in vain for odometry
   std::size_t alarms = 0;
   std::size_t restarts = 0;  ///< of vehicles whose clock was set back

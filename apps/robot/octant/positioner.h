@@ -82,7 +82,7 @@ class [[gnu::visibility("default")]] Positioner {
 
   /// As it goes, in the order of time: arrivals are fixed as soon as all of a place have come, and while
   /// there is odometry the vehicle is tracked. Fixes go to on_place. @return false: a name is unknown, time
-  /// runs backwards, or it is called within on_place, where nothing is taken
+  /// runs backwards, an arrival repeats another one, or it is called within on_place, where nothing is taken
   void on_place(std::function<void(const Place&)> sink);
   bool hear(const Heard& heard);
   bool move(const Moved& moved);

@@ -185,6 +185,26 @@ TEST(Follower, AStepOfImpossibleLengthIsRefused) {
   }
 }
 
+/// A datagram that comes twice is one measurement, as a row that a file has twice is.
+TEST(Follower, ARepeatedArrivalIsTakenOnce) {
+  const Deployment d = with_octagon(hall());
+  const MeasurementLog log = stops(d);
+  Live once(d), twice(d);
+  for (const Arrival& a : log.arrivals) {
+    EXPECT_TRUE(once.follower.hear(a));
+    EXPECT_TRUE(twice.follower.hear(a));
+    EXPECT_FALSE(twice.follower.hear(a));
+  }
+  once.follower.flush();
+  twice.follower.flush();
+  expect_same(twice.fixes, once.fixes);
+  EXPECT_EQ(twice.follower.counts().refused, log.arrivals.size());
+  Arrival other = log.arrivals.back();
+  other.tof_s += 1e-6;
+  EXPECT_TRUE(twice.follower.hear(log.arrivals.back())) << "of another pose, as that one is fixed";
+  EXPECT_TRUE(twice.follower.hear(other)) << "another measurement";
+}
+
 /// A sink that feeds what it is told of would fix one pose again and again.
 TEST(Follower, NothingIsTakenWithinASink) {
   const Deployment d = with_octagon(hall());
@@ -239,7 +259,10 @@ TEST(Follower, MemoryIsBounded) {
   Live open(d, options);
   a.time_s = 1.0;
   a.epoch = 3;
-  for (int i = 0; i < 1000; ++i) open.follower.hear(a);  // an epoch that never ends
+  for (int i = 0; i < 1000; ++i) {  // an epoch that never ends
+    a.tof_s = 1e-2 + 1e-6 * i;
+    open.follower.hear(a);
+  }
   EXPECT_EQ(open.fixes.size(), 19u);
 }
 
