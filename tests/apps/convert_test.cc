@@ -104,6 +104,23 @@ TEST(Convert, CountersNeedASite) {
   EXPECT_THAT(slurp((box / "run") + "/tof.csv"), HasSubstr("0.0100001"));
 }
 
+/// Files of an earlier conversion would be read with the new ones, as one recording.
+TEST(Convert, WhatStaysInTheFolderIsNamed) {
+  const TemporaryFolder box;
+  spit(box / "log.clf", "ODOM 0 0 0 0 0 0 1 h 0.0\nFLASER 2 1.0 1.1 0 0 0 0.5 0 0 1 h 1.0\n");
+  spit(box / "kit.csv", "t,b,d\n0,A,1.5\n1,A,1.6\n");
+  const Outcome first = octant({"convert", box / "log.clf", "-o", box / "run", "--json"});
+  EXPECT_TRUE(first.json()["warnings"].empty()) << first.out;
+  EXPECT_TRUE(octant({"convert", box / "log.clf", "-o", box / "run", "--json"}).json()["warnings"].empty());
+  spit((box / "run") + "/truth.csv", "epoch,x_m,y_m\n");  // beside a recording, by hand
+  const Outcome second = octant(
+      {"convert", box / "kit.csv", "--columns", "time=t,beacon=b,distance=d", "-o", box / "run", "--json"});
+  EXPECT_EQ(second.exit, 0) << second.err;
+  ASSERT_EQ(second.json()["warnings"].size(), 1u);
+  EXPECT_THAT(second.json()["warnings"][0].get<std::string>(),
+              HasSubstr("scans.csv, odometry.csv are there from before"));
+}
+
 TEST(Convert, OfIgnoredBeaconsOnlyWhereThereAreSome) {
   const TemporaryFolder box;
   spit(box / "kit.csv", "t,b,d\n0,A,1.5\n0,B,2.5\n1,A,1.6\n");

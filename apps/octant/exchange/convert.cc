@@ -4,8 +4,11 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "apps/octant/commands.h"
 #include "apps/octant/outputs.h"
@@ -76,6 +79,25 @@ std::string ignored_words(std::size_t rows) {
   return rows > 0 ? fmt::format(", {} of ignored beacons", rows) : "";
 }
 
+/// What was recorded into the folder before, and stays there, is read as a part of what is written now.
+void warn_of_the_rest(const std::string& folder, const std::vector<io::FileContent>& files,
+                      Session& session) {
+  std::vector<std::string> rest;
+  for (const char* name :
+       {"tof.csv", "bearings.csv", "scans.csv", "odometry.csv", "odometry.tum", "poses.tum"}) {
+    std::error_code none;
+    const std::string path = folder + "/" + name;
+    const bool written = std::any_of(files.begin(), files.end(),
+                                     [&](const io::FileContent& file) { return file.path == path; });
+    if (!written && std::filesystem::exists(path, none)) rest.emplace_back(name);
+  }
+  if (rest.empty()) return;
+  session.warn(
+      fmt::format("{}: {} {} there from before, and one recording with what is written now; if not, "
+                  "convert into a folder of its own",
+                  folder, fmt::join(rest, ", "), rest.size() == 1 ? "is" : "are"));
+}
+
 /// Any table, by --columns or, where its header has the names of tof.csv, by these.
 int convert_by_columns(const ConvertArgs& args, const std::optional<io::TableMapping>& own,
                        Session& session) {
@@ -98,6 +120,7 @@ int convert_by_columns(const ConvertArgs& args, const std::optional<io::TableMap
   std::vector<io::FileContent> files = {{args.output + "/tof.csv", table->csv}};
   if (!args.save_columns.empty()) files.push_back({args.save_columns, io::mapping_to_yaml(*mapping)});
   if (auto written = io::write_files(files); !written) return session.fail(written.error());
+  warn_of_the_rest(args.output, files, session);
   session.result(fmt::format("{:<17}{}: {} arrivals{}\n", "run", args.output, table->rows,
                              ignored_words(table->ignored)));
   return session.finish(
@@ -114,6 +137,7 @@ int finish_import(const ConvertArgs& args, io::ImportedLog& log, std::vector<io:
   std::filesystem::create_directories(args.output, made);
   for (io::FileContent& other : others) files->push_back(std::move(other));
   if (auto written = io::write_files(*files); !written) return session.fail(written.error());
+  warn_of_the_rest(args.output, *files, session);
   const bool distances = !log.arrivals.empty() && log.arrivals.front().is_distance && !args.speed_mps;
   session.result(fmt::format("{:<17}{}: {} arrivals{}, {} odometry rows, {} poses{}\n", "run", args.output,
                              log.arrivals.size(), distances ? " (distance_m)" : "", log.odometry.size(),
