@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -22,7 +24,15 @@ using Action = std::function<int(Session&)>;
 template <class T>
 CLI::Option* add_option(CLI::App& command, const std::string& name, T& value, const std::string& type,
                         const std::string& help) {
-  return command.add_option(name, value, help)->type_name(type);
+  CLI::Option* option = command.add_option(name, value, help)->type_name(type);
+  // CLI11's ranges let pass what compares with nothing.
+  if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::optional<double>>)
+    option->check([](const std::string& text) {
+      double number = 0.0;
+      const bool finite = !CLI::detail::lexical_cast(text, number) || std::isfinite(number);
+      return finite ? std::string() : "Value " + text + " is no finite number";
+    });
+  return option;
 }
 
 template <class T>

@@ -91,6 +91,21 @@ TEST(Usage, WrongWordsAreExit2) {
   }
 }
 
+/// Ranges let what is no number pass, and loops until it is reached do not end.
+TEST(Usage, WhatIsNoNumberIsNone) {
+  const std::string aisles = std::string(OCTANT_SOURCE_DIR) + "/datasets/aisles/site.yaml";
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"plan", aisles, "--schedule", "--height", "nan"},
+        {"plan", aisles, "--schedule", "--pulse", "NaN"},
+        {"survey", aisles, "--cell", "inf"},
+        {"plan", aisles, "--tolerance", "-nan"},
+        {"recalibrate", "d.json", "run", "-o", "n.json", "--drift-beacon-m", "nan"}}) {
+    const Outcome none = octant(words);
+    EXPECT_EQ(none.exit, 2) << none.err;
+    EXPECT_THAT(none.err, HasSubstr("no finite number")) << words[2];
+  }
+}
+
 TEST(Usage, UnknownCommandIsNamed) {
   EXPECT_THAT(octant({"fly", "me"}).err, HasSubstr("'fly'"));
   EXPECT_THAT(octant({"--threads", "2", "fly"}).err, HasSubstr("'fly'"));
