@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // No command writes an output over an input or another output; and what was said badly once.
+#include <algorithm>
 #include <filesystem>
 
 #include <gmock/gmock.h>
@@ -117,6 +118,16 @@ TEST_F(Outputs, FilesOfAnotherKindAreRecognised) {
   const Outcome deployment = octant({"calibrate", out("d.json"), hall("run"), "-o", out("e.json")});
   EXPECT_EQ(deployment.exit, 3);
   EXPECT_THAT(deployment.err, HasSubstr("a deployment file"));
+}
+
+TEST(Words, ARecordingThatIsNamedTwiceIsTold) {
+  const std::string hall = std::string(OCTANT_SOURCE_DIR) + "/datasets/hall/", run = hall + "run";
+  for (const std::string again : {run, hall + "heldout/../run"}) {
+    const auto warnings = octant({"check", hall + "site.yaml", run, again, "--json"}).json()["warnings"];
+    EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const auto& warning) {
+      return warning.template get<std::string>().find("is named twice") != std::string::npos;
+    })) << warnings;
+  }
 }
 
 TEST(Words, AnUnknownMethodIsNamedWithThoseThereAre) {

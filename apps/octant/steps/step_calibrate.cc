@@ -97,6 +97,7 @@ Result<std::unique_ptr<StreamSource>> too_long(const Site& site, const std::vect
     return nullptr;
   }
   const std::size_t least_mb = calib::least_memory_streamed(rows, steps) / kMega;
+  warn_of_repeated_runs(runs, session);
   session.note(fmt::format(
       "{}: they are read in chunks, several times{}", much,
       least_mb > memory_mb ? fmt::format("; about {} MB is the least that takes", least_mb) : ""));

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -13,11 +14,22 @@
 
 namespace octant::app {
 
+void warn_of_repeated_runs(const std::vector<std::string>& folders, Session& session) {
+  for (std::size_t i = 0; i < folders.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      std::error_code missing;
+      if (!std::filesystem::equivalent(folders[i], folders[j], missing)) continue;
+      session.warn(fmt::format("{} is named twice: what was heard there counts twice", folders[i]));
+      break;
+    }
+}
+
 Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders, const NameTable& names,
                                               const Timing& timing, io::ReadRunOptions options,
                                               Session& session) {
   const ExitAtOnce nothing_written_yet;
   options.threads = session.threads();
+  warn_of_repeated_runs(folders, session);
   std::vector<MeasurementLog> runs;
   for (const auto& folder : folders) {
     auto run = io::read_run(folder, names, timing, options);

@@ -35,6 +35,8 @@ namespace octant::app {
   return medium.model == MediumModel::kConstant ? medium.speed_mps : 0.0;
 }
 
+/// A recording that is named twice makes sigmas smaller than they are.
+void warn_of_repeated_runs(const std::vector<std::string>& folders, Session& session);
 /// Reads recordings in order; warnings go to the session.
 [[nodiscard]] Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders,
                                                             const NameTable& names, const Timing& timing,
