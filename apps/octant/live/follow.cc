@@ -123,7 +123,8 @@ class FollowLoop {
         fmt::format("{:<17}{}, {} times no fix\n{:<17}{} used, {} left out\n{:<17}{}\n", "fixes", c.fixes,
                     c.no_fix, "arrivals", c.used, c.rejected, "odometry rows", c.odometry_rows);
     if (c.refused > 0)
-      text += fmt::format("{:<17}{} rows that run backwards in time, or repeat another\n", "refused", c.refused);
+      text +=
+          fmt::format("{:<17}{} rows that run backwards in time, or repeat another\n", "refused", c.refused);
     if (c.restarts > 0)
       text += fmt::format("{:<17}{} times, as a clock was set back or had jumped ahead\n", "began anew",
                           c.restarts);
