@@ -55,7 +55,7 @@ void Kleeman::locate_known(const Observations& observations, Fix& fix) noexcept 
   begin_fix(arrivals, fix);
   fix.covariance.setZero(3, 3);
   if (!arrivals.empty()) fix.time_s = (arrivals.front().time_s + arrivals.back().time_s) / 2;
-  fix.status = place(arrivals, scale_);
+  fix.status = place(arrivals);
   if (!fix.ok()) return;
   work_->vehicle->memory = work_->memory;
   fill(arrivals, fix);
@@ -63,9 +63,9 @@ void Kleeman::locate_known(const Observations& observations, Fix& fix) noexcept 
 }
 
 /// Arrivals to a position and a heading, in passes.
-FixStatus Kleeman::place(std::span<const Arrival> arrivals, double scale) noexcept {
+FixStatus Kleeman::place(std::span<const Arrival> arrivals) noexcept {
   Work& w = *work_;
-  gather(arrivals, scale);
+  gather(arrivals);
   if (w.vehicle == nullptr) return FixStatus::kTooFewArrivals;
   w.memory = w.vehicle->memory;
   w.heading = Heading{};
@@ -102,7 +102,7 @@ FixStatus Kleeman::solve_pass(bool first) noexcept {
   // allow.
   const double slack_m = first ? 2 * v.radius_m : 0.0;
   w.impossible = triangle_violations(w.distances, beacon_p_map_m_, options_.triangle_sigmas, slack_m);
-  const double scale_sigma = w.searching_speed ? 0.0 : deployment_.speed_sigma_mps / w.speed_mps;
+  const double scale_sigma = deployment_.speed_sigma_mps / w.speed_mps;
   w.solution = v.longsolve.solve(w.distances, w.distances.heard & ~w.impossible, scale_sigma, w.memory);
   if (w.solution.ok()) find_heading(first);
   return w.solution.status;

@@ -23,7 +23,8 @@ namespace octant {
 //   kleeman_validation.h  triangle inequality, eq. 5-6
 //   kleeman_longsolve.h   the best triples of all beacons
 //   kleeman_heading.h     orientation
-// and here: the arrivals of one cycle through all of it, and the speed of sound from their redundancy.
+// and here: the arrivals of one cycle through all of it. The speed of sound from their redundancy:
+// models/localizers/speed/run_speed.h.
 
 struct KleemanOptions {
   KleemanHeading heading = KleemanHeading::kInterpolation;
@@ -31,25 +32,6 @@ struct KleemanOptions {
   double gate_sigmas = 4.0;      ///< an arrival later than the first of its beacon by more is an echo
   int max_passes = 10;           ///< position and heading in turn, until neither moves
   LongsolveOptions longsolve{};
-  double speed_span =
-      0.05;  ///< estimate_speed() searches so far to either side of the deployment's speed, relative
-  double speed_step = 0.0025;  ///< in such steps (the prototype's resolution), then between them
-  /// Largest relative sigma of a speed that counts as determined.
-  double max_speed_sigma = 0.01;
-};
-
-/// Speed of sound from the redundancy of one epoch or several.
-struct SpeedEstimate {
-  /// kTooFewArrivals: no epoch had more than three beacons that agree. kPoorGeometry: the epochs do not
-  /// determine the speed (from the middle of a ring of beacons all distances are alike, and no speed is
-  /// better than another).
-  FixStatus status = FixStatus::kTooFewArrivals;
-  double scale = 1.0;      ///< speed over the deployment's, at any temperature
-  double speed_mps = 0.0;  ///< at the deployment's reference temperature
-  double sigma_mps = 0.0;
-  int epochs = 0;  ///< that had a say
-
-  [[nodiscard]] bool ok() const { return status == FixStatus::kOk; }
 };
 
 /// What a deployment lacks for Kleeman's method: planar motion, one-way ranging, 3 to 16 beacons of which
@@ -75,12 +57,6 @@ class Kleeman : public Localizer {
   explicit Kleeman(const Deployment& deployment, const KleemanOptions& options = {});
   ~Kleeman() override;
 
-  /// Varies the speed of sound until the distances agree best, over the epochs in `arrivals` (told apart by
-  /// their epoch; all of one vehicle). Does not change what locate() uses.
-  [[nodiscard]] SpeedEstimate estimate_speed(std::span<const Arrival> arrivals) noexcept;
-  /// Speed that locate() uses from now on, over the deployment's at any temperature. @param scale > 0;
-  /// SpeedEstimate::scale
-  void use_speed_scale(double scale) { scale_ = scale; }
   /// Forgets where the vehicles were.
   void reset() noexcept;
 
@@ -92,8 +68,8 @@ class Kleeman : public Localizer {
   struct Vehicle;
   struct Work;
 
-  [[nodiscard]] FixStatus place(std::span<const Arrival> arrivals, double scale) noexcept;
-  void gather(std::span<const Arrival> arrivals, double scale) noexcept;
+  [[nodiscard]] FixStatus place(std::span<const Arrival> arrivals) noexcept;
+  void gather(std::span<const Arrival> arrivals) noexcept;
   [[nodiscard]] FixStatus solve_pass(bool first) noexcept;
   void subtract_walk(HeardDistance& heard, double distance_m, double log_directivity) const noexcept;
   void earliest() noexcept;
@@ -105,15 +81,12 @@ class Kleeman : public Localizer {
   void find_heading(bool first) noexcept;
   void fill(std::span<const Arrival> arrivals, Fix& fix) const noexcept;
   void propagate(Fix& fix) const noexcept;
-  struct SpeedNormal;
-  [[nodiscard]] SpeedNormal speed_normal(std::span<const Arrival> arrivals, double scale) noexcept;
 
   Deployment deployment_;
   KleemanOptions options_;
   std::vector<Eigen::Vector3d> beacon_p_map_m_;
   std::vector<Vehicle> vehicles_;
   std::unique_ptr<Work> work_;
-  double scale_ = 1.0;
 };
 
 }  // namespace octant

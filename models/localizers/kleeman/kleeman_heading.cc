@@ -322,8 +322,8 @@ Heading heading_from_mean_axes(const HeadingInput& in) {
     ++beacons;
   }
   if (beacons == 0 || sum.norm() < 1e-3 * beacons) return Heading{};
-  const auto axes = std::count_if(in.receivers.begin(), in.receivers.end(),
-                                  [](const ArrayReceiver& r) { return r.axis.has_value(); });
+  const auto axes =
+      std::ranges::count_if(in.receivers, [](const ArrayReceiver& r) { return r.axis.has_value(); });
   heading.known = true;
   heading.rad = angle_of(sum);
   heading.sigma_rad = 2 * std::numbers::pi / static_cast<double>(axes) / std::sqrt(12.0 * beacons);

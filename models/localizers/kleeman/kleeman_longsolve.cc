@@ -107,7 +107,7 @@ void Longsolve::estimate_errors(const Eigen::Vector2d& at, LongsolveMemory& memo
     memory.error[t] = hyperbolic_error_m({beacons_[i], beacons_[j], beacons_[k]}, at, {1.0, 1.0, 1.0});
     memory.order[t] = static_cast<std::uint16_t>(t);
   }
-  std::sort(memory.order.begin(), memory.order.end(), [&](std::uint16_t a, std::uint16_t b) {
+  std::ranges::sort(memory.order, [&](std::uint16_t a, std::uint16_t b) {
     const double ea = memory.error[a].squaredNorm(), eb = memory.error[b].squaredNorm();
     return ea != eb ? ea < eb : a < b;
   });

@@ -16,7 +16,7 @@ constexpr double kMinPassDistance_m = 0.05;
 
 /// d = c (T - beacon's delay - receiver's delay), the drift of the vehicle's clock since the epoch's first
 /// arrival taken out.
-void Kleeman::gather(std::span<const Arrival> arrivals, double scale) noexcept {
+void Kleeman::gather(std::span<const Arrival> arrivals) noexcept {
   Work& w = *work_;
   w.heard.clear();
   w.arrivals = arrivals.size();
@@ -38,9 +38,8 @@ void Kleeman::gather(std::span<const Arrival> arrivals, double scale) noexcept {
     const std::size_t receiver = a.receiver.index() - w.vehicle->first_receiver;
     if (a.receiver.index() < w.vehicle->first_receiver || receiver >= w.vehicle->receivers.size()) continue;
     const ArrayReceiver& r = w.vehicle->receivers[receiver];
-    w.speed_mps = scale * deployment_.speed_mps(std::isfinite(a.temperature_degC)
-                                                    ? a.temperature_degC
-                                                    : deployment_.medium.temperature_degC);
+    w.speed_mps = deployment_.speed_mps(
+        std::isfinite(a.temperature_degC) ? a.temperature_degC : deployment_.medium.temperature_degC);
     const double drifted_s = w.vehicle->drift * (a.time_s - arrivals.front().time_s);
     HeardDistance h;
     h.arrival = i;

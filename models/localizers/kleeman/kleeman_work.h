@@ -72,8 +72,7 @@ struct Kleeman::Work {
   Vehicle* vehicle = nullptr;  ///< null: no arrivals of a vehicle that has receivers
   std::vector<HeardDistance> heard;
   std::size_t arrivals = 0;
-  double speed_mps = 343.0;  ///< at the mean temperature
-  bool searching_speed = false;
+  double speed_mps = 343.0;   ///< at the mean temperature
   LongsolveMemory memory;     ///< becomes the vehicle's if this is a fix
   OffsetDistances distances;  ///< of the beacons from the vehicle's centre
   BeaconSet impossible;       ///< by the triangle inequality

@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// How Kleeman's localizer finds the speed of sound (kleeman_speed.cc).
+// How well the speed of sound follows from a few cycles in Kleeman's room
+// (models/localizers/speed/run_speed.h).
 #include <cmath>
 #include <iostream>
 
 #include <gtest/gtest.h>
 
 #include "models/localizers/kleeman/kleeman.h"
+#include "models/localizers/speed/run_speed.h"
 #include "tests/models/localizers/kleeman_room.h"
 #include "tests/support/statistics.h"
 
@@ -33,22 +35,24 @@ TEST(KleemanSpeed, FollowsFromRedundancy) {
   const auto estimate_at = [&](const Deployment& d, double truth, const test::PublishedSpread& place) {
     Deployment world = d;
     world.medium.speed_mps = truth * 345.0;
-    Kleeman kleeman(d);
-    std::vector<Arrival> arrivals, first;
+    MeasurementLog cycles;
+    cycles.has_epochs = true;
+    std::vector<Arrival> first;
     for (int epoch = 0; epoch < 4; ++epoch) {
       Hearing hearing{.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.01 * epoch};
       if (d.attenuation) hearing.half_angle_rad = M_PI, hearing.amplitude_sigma = 0.05;
       const auto heard = hear(world, Pose::planar(place.x_m, place.y_m, 0.7 * epoch), hearing, random, epoch);
-      arrivals.insert(arrivals.end(), heard.begin(), heard.end());
+      cycles.arrivals.insert(cycles.arrivals.end(), heard.begin(), heard.end());
       if (epoch == 0) first = heard;
     }
-    const SpeedEstimate speed = kleeman.estimate_speed(arrivals);
-    ASSERT_TRUE(speed.ok()) << to_string(speed.status);
-    EXPECT_EQ(speed.epochs, 4);
-    worst = std::max(worst, std::abs(speed.speed_mps / (truth * 345.0) - 1));
-    normalised += std::pow((speed.speed_mps - truth * 345.0) / speed.sigma_mps, 2);
+    const RunSpeed speed = estimate_run_speed(d, cycles);
+    ASSERT_TRUE(speed.determined);
+    EXPECT_EQ(speed.poses, 4u);
+    const double error_mps = d.medium.speed_mps + speed.offset_mps - truth * 345.0;
+    worst = std::max(worst, std::abs(error_mps / (truth * 345.0)));
+    normalised += std::pow(error_mps / speed.sigma_mps, 2);
     ++count;
-    kleeman.use_speed_scale(speed.scale);
+    Kleeman kleeman(at_speed(d, speed));
     const Fix fix = locate(kleeman, first);
     ASSERT_TRUE(fix.ok());
     EXPECT_LT(error_of(fix, Pose::planar(place.x_m, place.y_m, 0.0)).head<2>().norm(), 0.05);
@@ -69,11 +73,12 @@ TEST(KleemanSpeed, IsNotDeterminedFromTheMiddleOfARing) {
   for (std::size_t b = 0; b < 6; ++b)
     d.beacons[b].position_m.head<2>() =
         Eigen::Vector2d(5 + 5 * std::cos(b * M_PI / 3), 5 + 5 * std::sin(b * M_PI / 3));
-  Kleeman kleeman(d);
   const Hearing hearing{.range_m = 15.0, .noise_s = kPrototypeSigma_s, .cycle_offset_s = 0.02};
-  EXPECT_EQ(kleeman.estimate_speed(hear(d, Pose::planar(5, 5, 0.1), hearing, random)).status,
-            FixStatus::kPoorGeometry);
-  EXPECT_EQ(kleeman.estimate_speed({}).status, FixStatus::kTooFewArrivals);
+  MeasurementLog cycle;
+  cycle.has_epochs = true;
+  EXPECT_FALSE(estimate_run_speed(d, cycle).determined);
+  cycle.arrivals = hear(d, Pose::planar(5, 5, 0.1), hearing, random);
+  EXPECT_FALSE(estimate_run_speed(d, cycle).determined);
 }
 
 }  // namespace
