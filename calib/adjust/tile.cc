@@ -198,26 +198,23 @@ std::vector<SegmentKey> tile_order(const Trajectory& t, const ParameterLayout& l
   std::vector<SegmentKey> keys(t.segments.size());
   const bool known = StopBlock::knows(t, layout);
   const auto receivers = static_cast<std::uint32_t>(layout.receiver.size());
-  for_each_chunk(
-      keys.size(), kSegmentsAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
-        for (std::size_t s = first; s < last; ++s) {
-          SegmentKey& key = keys[s];
-          key.segment = static_cast<std::uint32_t>(s);
-          key.nodes = static_cast<std::uint32_t>(t.segments[s].last_node - t.segments[s].first_node);
-          key.stop = known && StopBlock::takes(t, t.segments[s]);
-          for (std::size_t i = t.segments[s].first_arrival;
-               i < t.segments[s].last_arrival && (key.stop || !t.moving); ++i) {
-            const auto beacon = static_cast<std::uint32_t>(t.arrivals[i].beacon.value);
-            if (key.stop) arrivals->add(i, t.arrivals[i]);
-            key.lowest = std::min(key.lowest, beacon);
-            key.beacons |= std::uint64_t{1} << (beacon % 64U);
-            if (t.arrivals[i].rejection == Rejection::kUsed)
-              key.paths |= std::uint64_t{1} << ((beacon * receivers +
-                                                 static_cast<std::uint32_t>(t.arrivals[i].receiver.value)) %
-                                                64U);
-          }
-        }
-      });
+  for_each_in_chunks(keys.size(), kSegmentsAtOnce, threads, [&](std::size_t s) {
+    SegmentKey& key = keys[s];
+    key.segment = static_cast<std::uint32_t>(s);
+    key.nodes = static_cast<std::uint32_t>(t.segments[s].last_node - t.segments[s].first_node);
+    key.stop = known && StopBlock::takes(t, t.segments[s]);
+    for (std::size_t i = t.segments[s].first_arrival;
+         i < t.segments[s].last_arrival && (key.stop || !t.moving); ++i) {
+      const auto beacon = static_cast<std::uint32_t>(t.arrivals[i].beacon.value);
+      if (key.stop) arrivals->add(i, t.arrivals[i]);
+      key.lowest = std::min(key.lowest, beacon);
+      key.beacons |= std::uint64_t{1} << (beacon % 64U);
+      if (t.arrivals[i].rejection == Rejection::kUsed)
+        key.paths |= std::uint64_t{1}
+                     << ((beacon * receivers + static_cast<std::uint32_t>(t.arrivals[i].receiver.value)) %
+                         64U);
+    }
+  });
   return t.moving ? keys : sorted(keys, layout.beacon.size(), threads);
 }
 

@@ -38,11 +38,9 @@ std::vector<PairSeries> pair_series(const Trajectory& t, const SharedState& stat
     return a.rejection == Rejection::kUsed && t.nodes[a.node].placed;
   };
   std::vector<double> residual(t.arrivals.size());
-  for_each_chunk(t.arrivals.size(), kArrivalsAtOnce, threads,
-                 [&](std::size_t, std::size_t first, std::size_t last) {
-                   for (std::size_t i = first; i < last; ++i)
-                     if (counts(t.arrivals[i])) residual[i] = arrival_residual(t, t.arrivals[i], state);
-                 });
+  for_each_in_chunks(t.arrivals.size(), kArrivalsAtOnce, threads, [&](std::size_t i) {
+    if (counts(t.arrivals[i])) residual[i] = arrival_residual(t, t.arrivals[i], state);
+  });
   for (std::size_t i = 0; i < residual.size(); ++i) {
     const ArrivalObservation& a = t.arrivals[i];
     if (counts(a)) series[a.beacon.index() * receivers + a.receiver.index()].add(residual[i]);

@@ -159,12 +159,10 @@ class Planner {
   /// Best of all candidates beside the stops but one.
   [[nodiscard]] std::pair<Stop, double> best_candidate(const Gain& gain, std::size_t but) const {
     std::vector<double> gains(candidates_.size(), 0.0);
-    for_each_chunk(candidates_.size(), kAtOnce, options_.threads,
-                   [&](std::size_t, std::size_t first, std::size_t last) {
-                     for (std::size_t i = first; i < last; ++i)
-                       if (is_apart(candidates_[i], but)) gains[i] = gain.of(rows_of(candidates_[i]));
-                   });
-    const auto best = std::max_element(gains.begin(), gains.end());
+    for_each_in_chunks(candidates_.size(), kAtOnce, options_.threads, [&](std::size_t i) {
+      if (is_apart(candidates_[i], but)) gains[i] = gain.of(rows_of(candidates_[i]));
+    });
+    const auto best = std::ranges::max_element(gains);
     if (best == gains.end()) return {};
     return {candidates_[static_cast<std::size_t>(best - gains.begin())], *best};
   }
@@ -317,7 +315,7 @@ double random_stations_mean_m(const Knowledge& knowledge, const StationOptions& 
     }
     means.push_back(assess_stations(knowledge, stops, options).after.mean_m);
   }
-  std::nth_element(means.begin(), means.begin() + kPlans / 2, means.end());
+  std::ranges::nth_element(means, means.begin() + kPlans / 2);
   return means[kPlans / 2];
 }
 

@@ -95,10 +95,8 @@ void apply_gates(const Site& site, std::vector<Trajectory>& trajectories, int th
     // than noise.
     if (t.moving || site.attenuation || !site.gates.triangle || !triangle.any()) continue;
     constexpr std::size_t kSegmentsAtOnce = 1024;
-    for_each_chunk(t.segments.size(), kSegmentsAtOnce, threads,
-                   [&](std::size_t, std::size_t first, std::size_t last) {
-                     for (std::size_t s = first; s < last; ++s) triangle.gate(t, t.segments[s]);
-                   });
+    for_each_in_chunks(t.segments.size(), kSegmentsAtOnce, threads,
+                       [&](std::size_t s) { triangle.gate(t, t.segments[s]); });
   }
 }
 

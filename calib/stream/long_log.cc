@@ -50,9 +50,7 @@ bool is_long(const Problem& problem) {
   return epochs > kLongEpochs || of_drives > kLongDrive;
 }
 
-bool has_stops_alone(const Problem& problem) {
-  return std::all_of(problem.trajectories.begin(), problem.trajectories.end(), has_stops);
-}
+bool has_stops_alone(const Problem& problem) { return std::ranges::all_of(problem.trajectories, has_stops); }
 
 Result<Problem> subsample_of(const Problem& problem, int threads) {
   std::vector<MeasurementLog> runs;
@@ -77,8 +75,7 @@ Result<void> for_each_row_of_block(const ArrivalSource& source, const ChunkIndex
   std::vector<CurrentEpoch> current;  // of each vehicle met
   std::size_t next = index.first_state(run, block);
   for (const Arrival& a : rows) {
-    auto at = std::find_if(current.begin(), current.end(),
-                           [&a](const CurrentEpoch& c) { return c.vehicle == a.vehicle; });
+    auto at = std::ranges::find(current, a.vehicle, &CurrentEpoch::vehicle);
     if (at == current.end())
       at = current.insert(at, {a.vehicle, a.epoch, next++});
     else if (at->epoch != a.epoch)
@@ -112,7 +109,7 @@ Result<void> choose_for_rare_beacons(const ArrivalSource& source, const ChunkInd
   std::vector<bool> rare(hearing.kept.size());
   for (std::size_t b = 0; b < rare.size(); ++b)
     rare[b] = hearing.kept[b] < kLongLogSubsample.per_beacon && hearing.kept[b] < index.heard(run)[b];
-  if (std::find(rare.begin(), rare.end(), true) == rare.end()) return {};
+  if (std::ranges::find(rare, true) == rare.end()) return {};
   std::vector<std::size_t> blocks(index.blocks(run));
   for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b] = b;
   auto heard =
@@ -122,8 +119,7 @@ Result<void> choose_for_rare_beacons(const ArrivalSource& source, const ChunkInd
         });
       });
   if (!heard) return fail(heard.error());
-  std::stable_sort(heard->begin(), heard->end(),
-                   [](const HeardBeacon& a, const HeardBeacon& b) { return a.epoch < b.epoch; });
+  std::ranges::stable_sort(*heard, {}, &HeardBeacon::epoch);
   hearing.more.resize(rare.size());
   for (const HeardBeacon& h : *heard)
     if (hearing.more[h.beacon].empty() || hearing.more[h.beacon].back() != h.epoch)
@@ -194,12 +190,10 @@ void place_all_stops(const Problem& problem, const ParameterLayout& layout, cons
                      std::vector<Trajectory>& trajectories) {
   constexpr std::size_t kSegmentsAtOnce = 1024;
   for (Trajectory& t : trajectories)
-    for_each_chunk(t.segments.size(), kSegmentsAtOnce, workers.threads,
-                   [&](std::size_t, std::size_t first, std::size_t last) {
-                     for (std::size_t s = first; s < last && is_placed_by_ranges(t); ++s)
-                       t.nodes[t.segments[s].first_node].placed =
-                           place_by_linear_ranges(t, t.segments[s], state, usable);
-                   });
+    for_each_in_chunks(t.segments.size(), kSegmentsAtOnce, workers.threads, [&](std::size_t s) {
+      if (is_placed_by_ranges(t))
+        t.nodes[t.segments[s].first_node].placed = place_by_linear_ranges(t, t.segments[s], state, usable);
+    });
   readmit_all(trajectories, usable);
   {
     TileSum tiles(trajectories, layout, workers);
@@ -209,18 +203,15 @@ void place_all_stops(const Problem& problem, const ParameterLayout& layout, cons
   }
   const EpochFixModel model = search_model(problem, state, usable);
   for (Trajectory& t : trajectories) {
-    for_each_chunk(t.segments.size(), kSegmentsAtOnce, workers.threads,
-                   [&](std::size_t, std::size_t first, std::size_t last) {
-                     for (std::size_t k = first; k < last; ++k) {
-                       const Segment& s = t.segments[k];
-                       Node& node = t.nodes[s.first_node];
-                       if (s.first_pose < s.last_pose) continue;  // which no search places
-                       for (std::size_t i = s.first_arrival; i < s.last_arrival && node.placed; ++i)
-                         if (t.arrivals[i].rejection == Rejection::kUsed &&
-                             std::abs(arrival_residual(t, t.arrivals[i], state)) > suspect_sigmas)
-                           node.placed = false;
-                     }
-                   });
+    for_each_in_chunks(t.segments.size(), kSegmentsAtOnce, workers.threads, [&](std::size_t k) {
+      const Segment& s = t.segments[k];
+      Node& node = t.nodes[s.first_node];
+      if (s.first_pose < s.last_pose) return;  // which no search places
+      for (std::size_t i = s.first_arrival; i < s.last_arrival && node.placed; ++i)
+        if (t.arrivals[i].rejection == Rejection::kUsed &&
+            std::abs(arrival_residual(t, t.arrivals[i], state)) > suspect_sigmas)
+          node.placed = false;
+    });
     place_states(t, model, 0.0, false, 0.0, workers.threads);
   }
   readmit_all(trajectories, usable);
@@ -235,11 +226,9 @@ void place_all_drives(const Problem& problem, const SharedState& state, const st
   for (Trajectory& t : trajectories) {
     if (t.poses.empty()) continue;
     // A state that a measured pose placed is off by the error of that, not by the noise of its arrivals.
-    for_each_chunk(t.segments.size(), kSegmentsAtOnce, threads,
-                   [&](std::size_t, std::size_t first, std::size_t last) {
-                     for (std::size_t s = first; s < last; ++s)
-                       solve_states(t, t.segments[s], state, {kCauchyScale, kCauchyScale});
-                   });
+    for_each_in_chunks(t.segments.size(), kSegmentsAtOnce, threads, [&](std::size_t s) {
+      solve_states(t, t.segments[s], state, {kCauchyScale, kCauchyScale});
+    });
   }
 }
 

@@ -2,15 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
-#include <exception>
 #include <mutex>
 #include <optional>
 #include <thread>
-#include <vector>
 
 #include "calib/start/progress_monitor.h"
+#include "models/support/parallel.h"
 #include "models/support/result.h"
 
 namespace octant::calib {
@@ -25,28 +25,17 @@ template <class Work>
   std::atomic<bool> stop{false};
   std::mutex mutex;
   std::optional<Error> error;
-  std::exception_ptr failure;
-  const auto loop = [&](std::size_t worker) {
-    try {
-      for (std::size_t k = next.fetch_add(1); k < last && !stop; k = next.fetch_add(1)) {
-        Result<void> done = work(k, worker);
-        if (done && worker == 0 && !monitor.go_on()) done = interrupted();
-        if (done) continue;
-        stop = true;
-        const std::lock_guard lock(mutex);
-        if (!error) error = done.error();
-      }
-    } catch (...) {
+  const auto caller = std::this_thread::get_id();
+  for_each_parallel(std::min(workers, last - first), static_cast<int>(workers), [&](std::size_t worker) {
+    for (std::size_t k = next.fetch_add(1); k < last && !stop; k = next.fetch_add(1)) {
+      Result<void> done = work(k, worker);
+      if (done && std::this_thread::get_id() == caller && !monitor.go_on()) done = interrupted();
+      if (done) continue;
       stop = true;
       const std::lock_guard lock(mutex);
-      failure = std::current_exception();
+      if (!error) error = done.error();
     }
-  };
-  std::vector<std::thread> others;
-  for (std::size_t i = 1; i < workers && first + i < last; ++i) others.emplace_back([&, i] { loop(i); });
-  loop(0);
-  for (std::thread& thread : others) thread.join();
-  if (failure) std::rethrow_exception(failure);
+  });
   if (error) return fail(*error);
   if (!monitor.go_on()) return interrupted();
   return {};

@@ -50,6 +50,13 @@ void for_each_chunk(std::size_t count, std::size_t size, int threads, Work&& wor
     work(chunk, chunk * size, std::min(count, (chunk + 1) * size));
   });
 }
+/// work(i) for each item of each chunk.
+template <class Work>
+void for_each_in_chunks(std::size_t count, std::size_t size, int threads, Work&& work) {
+  for_each_chunk(count, size, threads, [&](std::size_t, std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) work(i);
+  });
+}
 inline constexpr std::size_t kArrivalsAtOnce = 65536;  ///< that a thread takes
 
 }  // namespace octant

@@ -221,12 +221,11 @@ class NodeChain {
     build_stretches(kept_.size(), threads, system, stretch);
   }
   void move(const std::pmr::vector<Vector>& step, int threads) {
-    for_each_chunk(step.size(), kNodesAtOnce, threads, [&](std::size_t, std::size_t first, std::size_t last) {
-      for (std::size_t k = first; k < last; ++k) step_node(t_, step[k], t_.nodes[segment_.first_node + k]);
-    });
+    for_each_in_chunks(step.size(), kNodesAtOnce, threads,
+                       [&](std::size_t k) { step_node(t_, step[k], t_.nodes[segment_.first_node + k]); });
   }
   void keep() { std::copy(begin(), begin() + static_cast<std::ptrdiff_t>(kept_.size()), kept_.begin()); }
-  void restore() { std::copy(kept_.begin(), kept_.end(), begin()); }
+  void restore() { std::ranges::copy(kept_, begin()); }
   void finish() {}
 
  private:

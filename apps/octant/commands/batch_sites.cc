@@ -3,15 +3,14 @@
 #include "apps/octant/commands/batch_sites.h"
 
 #include <algorithm>
-#include <atomic>
 #include <exception>
 #include <mutex>
-#include <thread>
 
 #include <fmt/format.h>
 
 #include "apps/octant/interrupt.h"
 #include "apps/octant/steps/reporting.h"
+#include "models/support/parallel.h"
 
 namespace octant::app {
 namespace {
@@ -84,21 +83,14 @@ std::vector<SiteOutcome> calibrate_sites(const io::Batch& batch, Shard shard, co
 
   const auto threads = static_cast<std::size_t>(session.threads());
   const std::size_t workers = std::clamp<std::size_t>(threads, 1, std::max<std::size_t>(1, outcomes.size()));
-  std::atomic<std::size_t> next{0};
   std::mutex one_at_a_time;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < outcomes.size(); i = next++) {
-      const std::size_t number = outcomes[i].number;
-      outcomes[i] =
-          outcome_of(batch.sites[number], number, how, session.part(static_cast<int>(threads / workers)));
-      const std::lock_guard lock(one_at_a_time);
-      on_done(outcomes[i]);
-    }
-  };
-  std::vector<std::thread> others;
-  for (std::size_t i = 1; i < workers; ++i) others.emplace_back(work);
-  work();
-  for (auto& other : others) other.join();
+  for_each_parallel(outcomes.size(), session.threads(), [&](std::size_t i) {
+    const std::size_t number = outcomes[i].number;
+    outcomes[i] =
+        outcome_of(batch.sites[number], number, how, session.part(static_cast<int>(threads / workers)));
+    const std::lock_guard lock(one_at_a_time);
+    on_done(outcomes[i]);
+  });
   return outcomes;
 }
 
