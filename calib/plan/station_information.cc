@@ -51,7 +51,7 @@ Result<void> check(const Site& site) {
 }
 
 Result<void> check_places(const Site& site) {
-  const bool any = std::any_of(site.beacons.begin(), site.beacons.end(), [](const SiteBeacon& b) {
+  const bool any = std::ranges::any_of(site.beacons, [](const SiteBeacon& b) {
     return b.position_m[0] && b.position_m[1] && b.position_m[2];
   });
   if (!any)
@@ -120,28 +120,21 @@ Site site_with_priors(const Deployment& d) {
 Eigen::MatrixXd information_of(const JointCovariance& joint, const ParameterLayout& layout,
                                Eigen::MatrixXd information) {
   const ParameterIndex column(joint.parameters);
-  std::vector<Eigen::Index> from;
-  std::vector<int> to;
+  std::vector<int> from, to;
   for (int i = 0; i < layout.size(); ++i) {
     const int at = column[layout.parameters[static_cast<std::size_t>(i)].id];
     if (at < 0) continue;
     from.push_back(at);
     to.push_back(i);
   }
-  Eigen::MatrixXd C(from.size(), from.size());
-  for (std::size_t i = 0; i < from.size(); ++i)
-    for (std::size_t j = 0; j < from.size(); ++j)
-      C(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-          joint.matrix(from[i], from[j]) / layout.parameters[static_cast<std::size_t>(to[i])].si_per_unit /
-          layout.parameters[static_cast<std::size_t>(to[j])].si_per_unit;
-  const Eigen::MatrixXd N = pseudo_inverse(C);
-  for (std::size_t i = 0; i < to.size(); ++i) {
-    information.row(to[i]).setZero();
-    information.col(to[i]).setZero();
-  }
+  Eigen::VectorXd units_per_si(from.size());
   for (std::size_t i = 0; i < to.size(); ++i)
-    for (std::size_t j = 0; j < to.size(); ++j)
-      information(to[i], to[j]) = N(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+    units_per_si[static_cast<Eigen::Index>(i)] =
+        1.0 / layout.parameters[static_cast<std::size_t>(to[i])].si_per_unit;
+  information(to, Eigen::all).setZero();
+  information(Eigen::all, to).setZero();
+  information(to, to) =
+      pseudo_inverse(units_per_si.asDiagonal() * joint.matrix(from, from) * units_per_si.asDiagonal());
   return information;
 }
 
@@ -339,14 +332,14 @@ StopRows stop_rows(const Knowledge& k, const Eigen::Vector2d& position_m, double
   PivotedQr qr(Jx.topRows(rows));
   qr.setThreshold(kPoseRank);
   if (qr.rank() < t.block_size()) return out;
-  std::sort(columns.begin(), columns.end());
+  std::ranges::sort(columns);
   columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
   Eigen::MatrixXd Js = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(columns.size()));
   for (Eigen::Index r = 0; r < rows; ++r)
     for (int i = 0; i < entries[static_cast<std::size_t>(r)].count; ++i) {
       const auto at = static_cast<std::size_t>(i);
       const int column = entries[static_cast<std::size_t>(r)].column[at];
-      Js(r, std::lower_bound(columns.begin(), columns.end(), column) - columns.begin()) +=
+      Js(r, std::ranges::lower_bound(columns, column) - columns.begin()) +=
           entries[static_cast<std::size_t>(r)].value[at];
     }
   // Rows of Q' Js below those that the pose takes up: what is left when it is eliminated.
@@ -356,11 +349,7 @@ StopRows stop_rows(const Knowledge& k, const Eigen::Vector2d& position_m, double
 }
 
 void add_information(const StopRows& rows, Eigen::MatrixXd& information, double factor) {
-  const Eigen::MatrixXd H = rows.A.transpose() * rows.A;
-  for (std::size_t i = 0; i < rows.columns.size(); ++i)
-    for (std::size_t j = 0; j < rows.columns.size(); ++j)
-      information(rows.columns[i], rows.columns[j]) +=
-          factor * H(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+  information(rows.columns, rows.columns) += factor * (rows.A.transpose() * rows.A);
 }
 
 }  // namespace octant::calib

@@ -20,6 +20,17 @@ Eigen::MatrixXd symmetric_root(const Eigen::MatrixXd& A) {
          eigen.eigenvectors().transpose();
 }
 
+Eigen::MatrixXd covariance_root(const Eigen::MatrixXd& C) {
+  if (C.rows() == 0) return {};
+  // Scaled, as metres, seconds and metres a second stand beside each other.
+  const Eigen::VectorXd sigma = C.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::VectorXd inverse = sigma.unaryExpr([](double s) { return s > 0 ? 1 / s : 0.0; });
+  const SymmetricEigen<Eigen::MatrixXd> eigen(inverse.asDiagonal() * C * inverse.asDiagonal());
+  const auto kept = (eigen.eigenvalues().array() > 1e-12).count();  // ascending: the last ones
+  return sigma.asDiagonal() * eigen.eigenvectors().rightCols(kept) *
+         eigen.eigenvalues().tail(kept).cwiseSqrt().asDiagonal();
+}
+
 PivotedQr::PivotedQr(const Eigen::MatrixXd& matrix) : Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(matrix) {}
 
 Eigen::MatrixXd PivotedQr::basis() const {

@@ -29,6 +29,10 @@ extern template class SymmetricEigen<Eigen::Matrix4d>;
 /// R = R' with R R = A, of a symmetric matrix without its negative eigenvalues: it follows A continuously.
 [[nodiscard]] Eigen::MatrixXd symmetric_root(const Eigen::MatrixXd& A);
 
+/// R with C = R R' of a covariance that may have lost rank to rounding; columns that give nothing are left
+/// out.
+[[nodiscard]] Eigen::MatrixXd covariance_root(const Eigen::MatrixXd& C);
+
 class PivotedQr : public Eigen::ColPivHouseholderQR<Eigen::MatrixXd> {
  public:
   explicit PivotedQr(const Eigen::MatrixXd& matrix);

@@ -14,21 +14,6 @@
 namespace octant::survey {
 namespace {
 
-/// C = R R', for a matrix that may have lost rank to rounding; columns that do not count are dropped.
-Eigen::MatrixXd root_of(const Eigen::MatrixXd& C) {
-  if (C.rows() == 0) return {};
-  // Scaled, as metres, seconds and metres a second stand beside each other.
-  const Eigen::VectorXd sigma = C.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::VectorXd inverse = sigma.unaryExpr([](double s) { return s > 0 ? 1 / s : 0.0; });
-  const SymmetricEigen<Eigen::MatrixXd> eigen(inverse.asDiagonal() * C * inverse.asDiagonal());
-  const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(0.0);
-  Eigen::Index first = 0;
-  while (first < values.size() && values[first] <= 1e-14 * values.size()) ++first;
-  const Eigen::Index kept = values.size() - first;
-  return sigma.asDiagonal() * eigen.eigenvectors().rightCols(kept) *
-         values.tail(kept).cwiseSqrt().asDiagonal();
-}
-
 /// The joint covariance, or what stands for it.
 JointCovariance joint_of(const Deployment& d) {
   if (d.covariance.matrix.rows() > 0) return d.covariance;
@@ -52,18 +37,17 @@ JointCovariance joint_of(const Deployment& d) {
 CalibrationMap::CalibrationMap(const Deployment& d, const SurveyModel& model) {
   const JointCovariance joint = joint_of(d);
   if (joint.matrix.isZero(0.0)) return;
-  root_ = root_of(joint.matrix);
+  root_ = covariance_root(joint.matrix);
   const ParameterIndex column(joint.parameters);
   // The model's beacons and receivers are some of the deployment's, or those of a scene, which are exact.
   constexpr std::array<int, 4> kExact = {-1, -1, -1, -1};
   for (const SurveyBeacon& beacon : model.beacons) {
-    const auto at = std::find_if(d.beacons.begin(), d.beacons.end(),
-                                 [&](const DeploymentBeacon& b) { return b.name == beacon.name; });
+    const auto at = std::ranges::find(d.beacons, beacon.name, &DeploymentBeacon::name);
     const auto b = static_cast<std::size_t>(at - d.beacons.begin());
     beacon_.push_back(at == d.beacons.end() ? kExact : column.beacon(b));
   }
   for (const SurveyReceiver& receiver : model.receivers) {
-    const auto at = std::find_if(d.receivers.begin(), d.receivers.end(), [&](const DeploymentReceiver& r) {
+    const auto at = std::ranges::find_if(d.receivers, [&](const DeploymentReceiver& r) {
       return r.vehicle.index() == model.vehicle && r.name == receiver.name;
     });
     const auto r = static_cast<std::size_t>(at - d.receivers.begin());
@@ -115,7 +99,7 @@ void CalibrationMap::couple(const SurveyModel& model, const std::vector<HeardPat
 
 void CalibrationMap::systematic(const SurveyModel& model, std::span<const std::vector<HeardPath>> paths,
                                 std::span<SystematicPart> parts) const {
-  std::fill(parts.begin(), parts.end(), SystematicPart{});
+  std::ranges::fill(parts, SystematicPart{});
   if (exact()) return;
   const auto count = static_cast<Eigen::Index>(paths.size());
   Eigen::MatrixXd S = Eigen::MatrixXd::Zero(2 * count, root_.rows());

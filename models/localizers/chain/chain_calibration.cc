@@ -5,32 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Eigenvalues>
+#include "models/trajectory/decompositions.h"
 
 namespace octant {
-namespace {
-
-/// R with R R' = C of the parameters touched, from the eigenvectors of C with a unit diagonal: a parameter
-/// that is held has none.
-Eigen::MatrixXd root_of(const Eigen::MatrixXd& C, const std::vector<int>& touched) {
-  const auto n = static_cast<Eigen::Index>(touched.size());
-  if (n == 0) return {};
-  Eigen::MatrixXd part(n, n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j)
-      part(i, j) = C(touched[static_cast<std::size_t>(i)], touched[static_cast<std::size_t>(j)]);
-  const Eigen::VectorXd sigma = part.diagonal().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::VectorXd scale = sigma.unaryExpr([](double s) { return s > 0 ? 1.0 / s : 0.0; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * part * scale.asDiagonal());
-  if (eigen.info() != Eigen::Success) return sigma.asDiagonal();
-  const Eigen::MatrixXd root =
-      sigma.asDiagonal() * eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-  Eigen::Index zero = 0;  // ascending: the first have nothing to give
-  while (zero < n && !(eigen.eigenvalues()[zero] > 1e-12)) ++zero;
-  return root.rightCols(n - zero);
-}
-
-}  // namespace
 
 CalibrationErrors::CalibrationErrors(const Trajectory& t, const Segment& segment, std::size_t receivers,
                                      const CalibrationPart& calibration, double pair_sigma_s)
@@ -58,7 +35,7 @@ CalibrationErrors::CalibrationErrors(const Trajectory& t, const Segment& segment
     if (t.bearings[i].rejection == Rejection::kUsed && t.bearings[i].reflector.valid())
       calibration.for_each_parameter(t.bearings[i].reflector, ReceiverId(), touch);
   if (!(pair_sigma_s > 0)) pairs_ = 0;
-  root_ = root_of(calibration.covariance(), touched);
+  root_ = covariance_root(calibration.covariance()(touched, touched));
 }
 
 bool CalibrationErrors::of(const ObservationRow& row, Eigen::RowVectorXd& errors) const {
