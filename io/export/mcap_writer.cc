@@ -3,6 +3,7 @@
 #include "io/export/mcap_writer.h"
 
 #include <algorithm>
+#include <concepts>
 
 #include <zlib.h>
 
@@ -14,18 +15,24 @@ namespace {
 
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20;
 
-template <class T>
-void put_number(std::string& out, T value) {
+template <std::integral T>
+void put(std::string& out, T number) {
   for (std::size_t i = 0; i < sizeof(T); ++i)
-    out += static_cast<char>(static_cast<std::uint64_t>(value) >> (8 * i) & 0xFF);
+    out += static_cast<char>(static_cast<std::uint64_t>(number) >> (8 * i) & 0xFF);
 }
-void put_text(std::string& out, std::string_view text) {
-  put_number(out, static_cast<std::uint32_t>(text.size()));
+void put(std::string& out, std::string_view text) {
+  put(out, static_cast<std::uint32_t>(text.size()));
   out += text;
 }
+/// Fields one behind the other: numbers little-endian, each as wide as its type, texts behind their length.
+template <class... Fields>
+std::string fields(const Fields&... field) {
+  std::string out;
+  (put(out, field), ...);
+  return out;
+}
 void put_record(std::string& out, McapOp op, std::string_view content) {
-  put_number(out, static_cast<std::uint8_t>(op));
-  put_number(out, static_cast<std::uint64_t>(content.size()));
+  out += fields(static_cast<std::uint8_t>(op), content.size());
   out += content;
 }
 std::uint32_t checksum(std::string_view bytes) {
@@ -41,30 +48,19 @@ void McapWriter::Span::add(std::uint64_t time_ns) {
 }
 
 McapWriter::McapWriter() : file_(kMcapMagic) {
-  std::string header;
   // No profile: `ros2` would promise that all channels are CDR.
-  put_text(header, "");
-  put_text(header, "octant");
-  put_record(file_, McapOp::kHeader, header);
+  put_record(file_, McapOp::kHeader, fields("", "octant"));
 }
 
 std::string McapWriter::schema_record(std::size_t number) const {
   const McapSchema& s = schemas_[number];
-  std::string out;
-  put_number(out, static_cast<std::uint16_t>(number + 1));
-  for (const std::string* text : {&s.name, &s.encoding, &s.text}) put_text(out, *text);
-  return out;
+  return fields(static_cast<std::uint16_t>(number + 1), s.name, s.encoding, s.text);
 }
 
 std::string McapWriter::channel_record(std::size_t number) const {
   const Channel& c = channels_[number];
-  std::string out;
-  put_number(out, static_cast<std::uint16_t>(number));
-  put_number(out, c.schema);
-  put_text(out, c.topic);
-  put_text(out, c.encoding);
-  put_text(out, "");  // metadata: an empty map
-  return out;
+  // The last text is the metadata, an empty map.
+  return fields(static_cast<std::uint16_t>(number), c.schema, c.topic, c.encoding, "");
 }
 
 std::uint16_t McapWriter::channel(const std::string& topic, const McapSchema& schema,
@@ -83,18 +79,11 @@ std::uint16_t McapWriter::channel(const std::string& topic, const McapSchema& sc
 }
 
 void McapWriter::message(std::uint16_t channel, std::uint64_t time_ns, std::string_view data) {
-  auto index =
-      std::find_if(index_.begin(), index_.end(), [&](const Index& i) { return i.channel == channel; });
+  auto index = std::ranges::find(index_, channel, &Index::channel);
   if (index == index_.end()) index = index_.insert(index_.end(), {channel, {}});
   index->entries.emplace_back(time_ns, chunk_.size());
-  std::string record;
-  record.reserve(22 + data.size());
-  put_number(record, channel);
-  put_number(record, channels_[channel].messages++);
-  put_number(record, time_ns);
-  put_number(record, time_ns);
-  record += data;
-  put_record(chunk_, McapOp::kMessage, record);
+  put_record(chunk_, McapOp::kMessage,
+             fields(channel, channels_[channel].messages++, time_ns, time_ns).append(data));
   chunk_span_.add(time_ns);
   span_.add(time_ns);
   ++messages_;
@@ -104,41 +93,22 @@ void McapWriter::message(std::uint16_t channel, std::uint64_t time_ns, std::stri
 void McapWriter::end_chunk() {
   if (chunk_.empty()) return;
   const std::uint64_t begin = file_.size();
-  std::string content;
-  put_number(content, chunk_span_.first_ns);
-  put_number(content, chunk_span_.last_ns);
-  put_number(content, static_cast<std::uint64_t>(chunk_.size()));
-  put_number(content, checksum(chunk_));
-  put_text(content, "");
-  put_number(content, static_cast<std::uint64_t>(chunk_.size()));
-  content += chunk_;
-  put_record(file_, McapOp::kChunk, content);
+  put_record(
+      file_, McapOp::kChunk,
+      fields(chunk_span_.first_ns, chunk_span_.last_ns, chunk_.size(), checksum(chunk_), "", chunk_.size())
+          .append(chunk_));
   const std::uint64_t length = file_.size() - begin, indices = file_.size();
   std::string offsets;
   for (Index& index : index_) {
-    std::sort(index.entries.begin(), index.entries.end());
-    put_number(offsets, index.channel);
-    put_number(offsets, static_cast<std::uint64_t>(file_.size()));
-    std::string entries, record;
-    for (const auto& [time_ns, offset] : index.entries) {
-      put_number(entries, time_ns);
-      put_number(entries, offset);
-    }
-    put_number(record, index.channel);
-    put_text(record, entries);
-    put_record(file_, McapOp::kMessageIndex, record);
+    std::ranges::sort(index.entries);
+    offsets += fields(index.channel, file_.size());
+    std::string entries;
+    for (const auto& [time_ns, offset] : index.entries) entries += fields(time_ns, offset);
+    put_record(file_, McapOp::kMessageIndex, fields(index.channel, entries));
   }
-  std::string in_summary;
-  put_number(in_summary, chunk_span_.first_ns);
-  put_number(in_summary, chunk_span_.last_ns);
-  put_number(in_summary, begin);
-  put_number(in_summary, length);
-  put_text(in_summary, offsets);
-  put_number(in_summary, static_cast<std::uint64_t>(file_.size() - indices));
-  put_text(in_summary, "");
-  put_number(in_summary, static_cast<std::uint64_t>(chunk_.size()));
-  put_number(in_summary, static_cast<std::uint64_t>(chunk_.size()));
-  put_record(chunk_index_, McapOp::kChunkIndex, in_summary);
+  put_record(chunk_index_, McapOp::kChunkIndex,
+             fields(chunk_span_.first_ns, chunk_span_.last_ns, begin, length, offsets, file_.size() - indices,
+                    "", chunk_.size(), chunk_.size()));
   ++chunks_;
   chunk_.clear();
   index_.clear();
@@ -147,56 +117,37 @@ void McapWriter::end_chunk() {
 
 void McapWriter::metadata(const std::string& name, const std::map<std::string, std::string>& values) {
   end_chunk();  // metadata do not stand in chunks
-  std::string pairs, record, in_summary;
-  for (const auto& [key, value] : values) {
-    put_text(pairs, key);
-    put_text(pairs, value);
-  }
-  put_text(record, name);
-  put_text(record, pairs);
-  put_number(in_summary, static_cast<std::uint64_t>(file_.size()));
-  put_number(in_summary, static_cast<std::uint64_t>(record.size() + kMcapHead));
-  put_text(in_summary, name);
+  std::string pairs;
+  for (const auto& [key, value] : values) pairs += fields(key, value);
+  const std::string record = fields(name, pairs);
+  const std::uint64_t begin = file_.size();
   put_record(file_, McapOp::kMetadata, record);
-  put_record(metadata_index_, McapOp::kMetadataIndex, in_summary);
+  put_record(metadata_index_, McapOp::kMetadataIndex, fields(begin, record.size() + kMcapHead, name));
   ++metadata_;
 }
 
 std::string McapWriter::statistics() const {
-  std::string out, counts;
-  for (std::size_t i = 0; i < channels_.size(); ++i) {
-    put_number(counts, static_cast<std::uint16_t>(i));
-    put_number(counts, static_cast<std::uint64_t>(channels_[i].messages));
-  }
-  put_number(out, messages_);
-  put_number(out, static_cast<std::uint16_t>(schemas_.size()));
-  put_number(out, static_cast<std::uint32_t>(channels_.size()));
-  put_number(out, std::uint32_t{0});  // attachments
-  put_number(out, metadata_);
-  put_number(out, chunks_);
-  put_number(out, span_.first_ns);
-  put_number(out, span_.last_ns);
-  put_text(out, counts);
-  return out;
+  std::string counts;
+  for (std::size_t i = 0; i < channels_.size(); ++i)
+    counts += fields(static_cast<std::uint16_t>(i), static_cast<std::uint64_t>(channels_[i].messages));
+  constexpr std::uint32_t kAttachments = 0;
+  return fields(messages_, static_cast<std::uint16_t>(schemas_.size()),
+                static_cast<std::uint32_t>(channels_.size()), kAttachments, metadata_, chunks_,
+                span_.first_ns, span_.last_ns, counts);
 }
 
 std::string McapWriter::finish() {
   end_chunk();
-  std::string end;
-  put_number(end, checksum(file_));
-  put_record(file_, McapOp::kDataEnd, end);
+  put_record(file_, McapOp::kDataEnd, fields(checksum(file_)));
   const std::uint64_t summary = file_.size();
   std::string offsets;
   const auto group = [&](McapOp op, const std::string& records) {
     if (records.empty()) return;
-    std::string offset;
-    put_number(offset, static_cast<std::uint8_t>(op));
-    put_number(offset, static_cast<std::uint64_t>(file_.size()));
-    put_number(offset, static_cast<std::uint64_t>(records.size()));
-    put_record(offsets, McapOp::kSummaryOffset, offset);
+    put_record(offsets, McapOp::kSummaryOffset,
+               fields(static_cast<std::uint8_t>(op), file_.size(), records.size()));
     file_ += records;
   };
-  std::string schemas, channels, counted;
+  std::string schemas, channels, counted, head;
   for (std::size_t i = 0; i < schemas_.size(); ++i) put_record(schemas, McapOp::kSchema, schema_record(i));
   for (std::size_t i = 0; i < channels_.size(); ++i)
     put_record(channels, McapOp::kChannel, channel_record(i));
@@ -208,14 +159,11 @@ std::string McapWriter::finish() {
   group(McapOp::kMetadataIndex, metadata_index_);
   const std::uint64_t summary_offsets = file_.size();
   file_ += offsets;
-  std::string footer;
-  put_number(footer, summary);
-  put_number(footer, summary_offsets);
+  std::string footer = fields(summary, summary_offsets);
   // The checksum takes in the footer's own head and its two offsets.
-  std::string head;
   put_record(head, McapOp::kFooter, footer + std::string(4, '\0'));
   head.resize(head.size() - 4);
-  put_number(footer, checksum(file_.substr(summary) + head));
+  put(footer, checksum(file_.substr(summary) + head));
   put_record(file_, McapOp::kFooter, footer);
   file_ += kMcapMagic;
   return std::move(file_);
