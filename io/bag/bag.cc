@@ -41,7 +41,7 @@ std::vector<fs::path> bag_files(const fs::path& folder) {
   std::error_code failed;
   for (fs::directory_iterator at(folder, failed), end; !failed && at != end; at.increment(failed))
     if (has_bag_ending(at->path()) && files.size() < kMostBagFiles) files.push_back(at->path());
-  std::sort(files.begin(), files.end(), earlier_file);
+  std::ranges::sort(files, earlier_file);
   return files;
 }
 

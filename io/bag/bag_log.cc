@@ -24,18 +24,17 @@ std::string listed_topics(const std::vector<BagTopic>& topics) {
   std::vector<std::string> words;
   for (const BagTopic& t : topics)
     words.push_back(fmt::format("{} ({})", t.name, t.type.empty() ? "?" : t.type));
-  std::sort(words.begin(), words.end());
+  std::ranges::sort(words);
   return words.empty() ? "the bag has no topics" : "topics of the bag: " + listed(words, kListedTopics);
 }
 
-/// What a topic's messages become.
-enum class TopicUse { kNone, kRange, kArrival, kOdometry, kPoses, kTruth };
-
+/// What a topic's messages become: arrivals by a rule for ranges, poses, or else arrivals as octant exports
+/// them.
 struct TopicPlan {
-  TopicUse use = TopicUse::kNone;
-  std::size_t number = 0;  ///< of the mapping's ranges
-  std::map<std::string, std::string, std::less<>> names;
+  const RangeTopics* range = nullptr;
+  std::map<std::string, std::string, std::less<>> names;  ///< that the topic's name tells of its ranges
   const PoseTopic* pose = nullptr;
+  std::vector<TimedPose>* poses = nullptr;  ///< to which those of `pose` are added
 };
 
 class BagLogReader {
@@ -76,49 +75,49 @@ class BagLogReader {
   bool plan(const BagTopic& topic) {
     topics_.push_back(topic);
     TopicPlan plan;
-    if (topic.type == kArrivalType && topic.encoding == "json") {
-      plan.use = TopicUse::kArrival;
-    } else if (!plan_poses(topic, plan) && !plan_ranges(topic, plan)) {
-      return false;
-    }
-    if (plan.use != TopicUse::kArrival && topic.encoding != "cdr") {
-      if (!error_)
-        error_ = bad(fmt::format("topic {} in encoding {}", topic.name, in_quotes(topic.encoding)), "cdr");
-      return false;
+    if (topic.type != kArrivalType || topic.encoding != "json") {
+      if (!plan_poses(topic, plan) && !plan_ranges(topic, plan)) return false;
+      if (topic.encoding != "cdr") {
+        if (!error_)
+          error_ = bad(fmt::format("topic {} in encoding {}", topic.name, in_quotes(topic.encoding)), "cdr");
+        return false;
+      }
     }
     plans_[topic.name] = std::move(plan);
     return true;
   }
 
+  /// The mapping's topics of poses, and what they are added to.
+  std::vector<std::pair<const PoseTopic*, std::vector<TimedPose>*>> pose_topics() {
+    std::vector<std::pair<const PoseTopic*, std::vector<TimedPose>*>> topics;
+    if (mapping_.odometry) topics.emplace_back(&*mapping_.odometry, &log_.odometry);
+    if (mapping_.poses) topics.emplace_back(&*mapping_.poses, &log_.poses);
+    if (mapping_.truth) topics.emplace_back(&*mapping_.truth, &log_.truth);
+    return topics;
+  }
   bool plan_poses(const BagTopic& topic, TopicPlan& plan) {
-    const std::pair<const std::optional<PoseTopic>*, TopicUse> kinds[] = {
-        {&mapping_.odometry, TopicUse::kOdometry},
-        {&mapping_.poses, TopicUse::kPoses},
-        {&mapping_.truth, TopicUse::kTruth}};
-    for (const auto& [pose, use] : kinds) {
-      if (!*pose || (*pose)->topic != topic.name) continue;
+    for (const auto& [pose, poses] : pose_topics()) {
+      if (pose->topic != topic.name) continue;
       if (!is_pose_type(topic.type))
         return refuse_type(
             topic, "poses",
             fmt::format("{}, {}, {} or {}", kRosPose, kRosPoseWithCovariance, kRosOdometry, kRosTransforms));
-      plan.use = use;
-      plan.pose = &**pose;
+      plan.pose = pose;
+      plan.poses = poses;
       return true;
     }
     return false;
   }
 
   bool plan_ranges(const BagTopic& topic, TopicPlan& plan) {
-    for (std::size_t i = 0; i < mapping_.ranges.size(); ++i) {
+    for (const RangeTopics& range : mapping_.ranges) {
       plan.names.clear();
-      const RangeTopics& range = mapping_.ranges[i];
       if (!matches(range.topic, topic.name, plan.names)) continue;
       if (topic.type != kRosRange) {
         if (range.topic.find_first_of("*{") != std::string::npos) continue;
         return refuse_type(topic, "ranges", std::string(kRosRange));
       }
-      plan.use = TopicUse::kRange;
-      plan.number = i;
+      plan.range = &range;
       return true;
     }
     return false;
@@ -128,15 +127,9 @@ class BagLogReader {
     if (error_) return fail(*error_);
     const TopicPlan& plan = plans_.at(message.topic.name);
     ++taken_[message.topic.name];
-    bool whole = true;
-    switch (plan.use) {
-      case TopicUse::kRange: whole = take_range(message, plan); break;
-      case TopicUse::kArrival: whole = take_arrival(message); break;
-      case TopicUse::kOdometry: whole = take_poses(message, plan, log_.odometry); break;
-      case TopicUse::kPoses: whole = take_poses(message, plan, log_.poses); break;
-      case TopicUse::kTruth: whole = take_poses(message, plan, log_.truth); break;
-      case TopicUse::kNone: break;
-    }
+    const bool whole = plan.range != nullptr  ? take_range(message, plan)
+                       : plan.pose != nullptr ? take_poses(message, plan)
+                                              : take_arrival(message);
     if (error_) return fail(*error_);
     if (whole) return {};
     return fail(bad(fmt::format("message {} of topic {}, {} bytes, is no {}", taken_[message.topic.name],
@@ -170,7 +163,7 @@ class BagLogReader {
   bool take_range(const BagMessage& message, const TopicPlan& plan) {
     const auto range = range_of(message.data);
     if (!range) return false;
-    const RangeTopics& rule = mapping_.ranges[plan.number];
+    const RangeTopics& rule = *plan.range;
     auto names = plan.names;
     if (!rule.frame.empty() &&
         (range->frame.size() > kLongestTopic || !matches(rule.frame, range->frame, names)))
@@ -224,33 +217,31 @@ class BagLogReader {
     return true;
   }
 
-  bool take_poses(const BagMessage& message, const TopicPlan& plan, std::vector<TimedPose>& poses) {
+  bool take_poses(const BagMessage& message, const TopicPlan& plan) {
     const auto all = poses_of(message.topic.type, message.data);
     if (!all) return false;
     for (const RosPose& pose : *all)
       if ((plan.pose->parent.empty() || plan.pose->parent == pose.frame) &&
           (plan.pose->child.empty() || plan.pose->child == pose.child))
-        poses.push_back({time_of(pose.stamp_s, message), pose.T_frame_child});
+        plan.poses->push_back({time_of(pose.stamp_s, message), pose.T_frame_child});
     return true;
   }
 
   /// Each topic that was asked for by its name has been there, and frames of tf have.
-  Result<void> check_found() const {
+  Result<void> check_found() {
     const auto missing = [&](const std::string& name) {
-      return std::none_of(topics_.begin(), topics_.end(), [&](const BagTopic& t) { return t.name == name; });
+      return std::ranges::none_of(topics_, [&](const BagTopic& t) { return t.name == name; });
     };
     std::vector<std::string> absent;
     for (const RangeTopics& r : mapping_.ranges)
       if (r.topic.find_first_of("*{") == std::string::npos && missing(r.topic)) absent.push_back(r.topic);
-    for (const auto* pose : {&mapping_.odometry, &mapping_.poses, &mapping_.truth})
-      if (*pose && missing((*pose)->topic)) absent.push_back((*pose)->topic);
+    for (const auto& [pose, poses] : pose_topics())
+      if (missing(pose->topic)) absent.push_back(pose->topic);
     if (!absent.empty()) return fail(bad(fmt::format("no topic {}", listed(absent)), listed_topics(topics_)));
-    const std::pair<const std::optional<PoseTopic>*, const std::vector<TimedPose>*> kinds[] = {
-        {&mapping_.odometry, &log_.odometry}, {&mapping_.poses, &log_.poses}, {&mapping_.truth, &log_.truth}};
-    for (const auto& [pose, found] : kinds)
-      if (*pose && found->empty() && !((*pose)->parent.empty() && (*pose)->child.empty()))
-        return fail(bad(fmt::format("topic {} has no pose of {} in {}", (*pose)->topic,
-                                    in_quotes((*pose)->child), in_quotes((*pose)->parent)),
+    for (const auto& [pose, poses] : pose_topics())
+      if (poses->empty() && !(pose->parent.empty() && pose->child.empty()))
+        return fail(bad(fmt::format("topic {} has no pose of {} in {}", pose->topic, in_quotes(pose->child),
+                                    in_quotes(pose->parent)),
                         "frames as the bag has them"));
     return {};
   }

@@ -13,9 +13,8 @@ CdrReader::CdrReader(std::string_view message) {
   };
   // Representation identifiers: 0 CDR_BE, 1 CDR_LE, 6 PLAIN_CDR2_BE, 7 PLAIN_CDR2_LE.
   const unsigned kind = byte(1);
-  known_ = message.size() >= 4 && byte(0) == 0 && (kind <= 1 || kind == 6 || kind == 7);
-  ok_ = known_;
-  if (!known_) return;
+  ok_ = message.size() >= 4 && byte(0) == 0 && (kind <= 1 || kind == 6 || kind == 7);
+  if (!ok_) return;
   if (kind >= 6) most_aligned_ = 4;
   const bool little = kind % 2 == 1;
   swap_ = little != (std::endian::native == std::endian::little);

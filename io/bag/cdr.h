@@ -21,7 +21,6 @@ class CdrReader {
   explicit CdrReader(std::string_view message);
 
   [[nodiscard]] bool ok() const { return ok_; }
-  [[nodiscard]] bool known_encoding() const { return known_; }
 
   template <class T>
   requires std::integral<T> || std::floating_point<T> T value() {
@@ -46,7 +45,7 @@ class CdrReader {
 
   std::string_view body_;
   std::size_t at_ = 0, most_aligned_ = 8;
-  bool swap_ = false, ok_ = true, known_ = true;
+  bool swap_ = false, ok_ = true;
 };
 
 /// Writes a message, little-endian CDR.

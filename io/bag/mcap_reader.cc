@@ -51,6 +51,15 @@ class McapFields {
   bool ok_ = true;
 };
 
+/// A record off the front of fields, which are not ok() where they end within it.
+struct McapRecord {
+  McapOp op;
+  std::string_view content;
+  explicit McapRecord(McapFields& fields)
+      : op(static_cast<McapOp>(fields.number<std::uint8_t>())),
+        content(fields.bytes(fields.number<std::uint64_t>())) {}
+};
+
 struct McapChannel {
   BagTopic topic;
   bool wanted = false;
@@ -107,13 +116,11 @@ class McapReader {
                     "a bag: .mcap, or .db3 as rosbag2 writes it");
     std::size_t at = kMcapMagic.size();
     while (!ended_) {
-      if (text.size() - at < kMcapHead) return cut_short(at);
-      McapFields head(text.substr(at));
-      const auto op = static_cast<McapOp>(head.number<std::uint8_t>());
-      const auto length = head.number<std::uint64_t>();
-      if (length > head.rest().size()) return cut_short(at);
-      if (auto taken = record(op, head.rest().substr(0, length), at, false); !taken) return taken;
-      at += kMcapHead + length;
+      McapFields fields(text.substr(at));
+      const McapRecord next(fields);
+      if (!fields.ok()) return cut_short(at);
+      if (auto taken = record(next, at, false); !taken) return taken;
+      at = text.size() - fields.rest().size();
     }
     return {};
   }
@@ -133,10 +140,10 @@ class McapReader {
     return {};
   }
 
-  Result<void> record(McapOp op, std::string_view content, std::size_t at, bool in_chunk) {
-    McapFields fields(content);
+  Result<void> record(const McapRecord& found, std::size_t at, bool in_chunk) {
+    McapFields fields(found.content);
     Result<void> taken;
-    switch (op) {
+    switch (found.op) {
       case McapOp::kSchema: schema(fields); break;
       case McapOp::kChannel: taken = channel(fields, at); break;
       case McapOp::kMessage: taken = message(fields, at); break;
@@ -220,15 +227,10 @@ class McapReader {
     if (crc != 0 && crc32_z(0, reinterpret_cast<const Bytef*>(records.data()), records.size()) != crc)
       return broken(at, "a chunk whose checksum is not that of its content", "the same",
                     "was the file damaged? `mcap recover` may save the rest");
-    for (std::size_t in = 0; in < records.size();) {
-      if (records.size() - in < kMcapHead)
-        return broken(at, "a chunk that ends within a record", "whole ones");
-      McapFields head(records.substr(in));
-      const auto op = static_cast<McapOp>(head.number<std::uint8_t>());
-      const auto length = head.number<std::uint64_t>();
-      if (length > head.rest().size()) return broken(at, "a chunk that ends within a record", "whole ones");
-      if (auto taken = record(op, head.rest().substr(0, length), at, true); !taken) return taken;
-      in += kMcapHead + length;
+    for (McapFields left(records); !left.rest().empty();) {
+      const McapRecord next(left);
+      if (!left.ok()) return broken(at, "a chunk that ends within a record", "whole ones");
+      if (auto taken = record(next, at, true); !taken) return taken;
     }
     return {};
   }

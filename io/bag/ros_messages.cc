@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "io/bag/cdr.h"
+#include "models/physics/unit_rotation.h"
 
 namespace octant::io {
 namespace {
@@ -25,12 +26,9 @@ bool read_pose_of(CdrReader& in, Pose& T) {
     number = in.value<double>();
     finite = finite && std::isfinite(number);
   }
-  Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
-  const double norm = q.norm();
-  if (!in.ok() || !finite || !(norm > 1e-3) || !std::isfinite(norm)) return false;
-  // Rounding in the last digits is left alone, so that what was written reads back the same.
-  if (std::abs(norm - 1.0) > 1e-14) q.coeffs() /= norm;
-  T = Pose{{v[0], v[1], v[2]}, q};
+  const auto q = unit_rotation(v[3], v[4], v[5], v[6]);
+  if (!in.ok() || !finite || !q) return false;
+  T = Pose{{v[0], v[1], v[2]}, *q};
   return true;
 }
 

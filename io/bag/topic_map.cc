@@ -20,8 +20,8 @@ using PatternNames = std::map<std::string, std::string, std::less<>>;
 
 /// What is wrong with a pattern; empty: nothing.
 std::string fault_of_pattern(std::string_view pattern) {
-  if (static_cast<std::size_t>(std::count_if(pattern.begin(), pattern.end(),
-                                             [](char c) { return c == '*' || c == '{'; })) > kMostStars)
+  if (static_cast<std::size_t>(std::ranges::count_if(pattern, [](char c) { return c == '*' || c == '{'; })) >
+      kMostStars)
     return fmt::format("more than {} of * and {{...}}", kMostStars);
   if (pattern.size() > kLongestPattern) return fmt::format("a pattern of {} bytes", pattern.size());
   while (!pattern.empty()) {
@@ -94,7 +94,7 @@ constexpr const char* kTopicWords =
     "range=/uwb/{beacon}, range=/uwb@{beacon} (frame_id), range:B3=/kit/range_3, odometry=/odom, "
     "poses=/mocap/pose, truth=/tf@map>base_link, time=recorded";
 
-Result<void> add_range(std::string_view target, std::string_view source, TopicMapping& mapping) {
+void add_range(std::string_view target, std::string_view source, TopicMapping& mapping) {
   RangeTopics range;
   const std::size_t at = source.find('@');
   range.topic = source.substr(0, at);
@@ -107,7 +107,6 @@ Result<void> add_range(std::string_view target, std::string_view source, TopicMa
     if (colon != std::string_view::npos) range.receiver = ids.substr(colon + 1);
   }
   mapping.ranges.push_back(std::move(range));
-  return {};
 }
 
 PoseTopic pose_topic(std::string_view source) {
@@ -160,7 +159,7 @@ Result<TopicMapping> topics_from_words(std::string_view words) {
   for (const auto& [word, target, source] : mapping_words(words)) {
     if (source.empty()) return refuse(fmt::format("{} names no topic", in_quotes(word)));
     if (target == "range" || target.starts_with("range:")) {
-      if (auto added = add_range(target, source, mapping); !added) return fail(added.error());
+      add_range(target, source, mapping);
     } else if (target == "time" && (source == "header" || source == "recorded")) {
       mapping.recorded_time = source == "recorded";
     } else if (target == "odometry" || target == "poses" || target == "truth") {
