@@ -52,16 +52,16 @@ Visit visit_in(const SqlStatement& row) {
   return v;
 }
 
-VisitBeacon beacon_in(const SqlStatement& row, int first) {
+VisitBeacon beacon_in(const SqlStatement& row) {
   VisitBeacon b;
-  b.name = row.text(first);
+  b.name = row.text(0);
   for (int i = 0; i < 3; ++i) {
-    b.position_m[i] = row.real(first + 1 + i);
-    b.sigma_m[i] = row.real(first + 4 + i);
+    b.position_m[i] = row.real(1 + i);
+    b.sigma_m[i] = row.real(4 + i);
   }
-  b.delay_s = row.real(first + 7);
-  b.delay_sigma_s = row.real(first + 8);
-  b.status = beacon_status_of(row.text(first + 9));
+  b.delay_s = row.real(7);
+  b.delay_sigma_s = row.real(8);
+  b.status = beacon_status_of(row.text(9));
   return b;
 }
 
@@ -99,7 +99,7 @@ class VisitWriter {
     find_.reset();
     if (!there) return fail(there.error());
     if (old > 0) return Addition{old, false};
-    document_.bind(1, v.digest).bind(2, v.document);
+    document_.bind_all(v.digest, v.document);
     if (auto done = put(document_); !done) return fail(done.error());
     const auto id = put_visit(v);
     if (!id) return fail(id.error());
@@ -123,18 +123,10 @@ class VisitWriter {
     const auto temperature = [&v](std::size_t end) {
       return v.temperature_degC ? std::optional<double>((*v.temperature_degC)[end]) : std::nullopt;
     };
-    visit_.bind(1, to_string(v.kind))
-        .bind(2, v.site)
-        .bind(3, v.happened_s)
-        .bind(4, v.added_s)
-        .bind(5, v.digest)
-        .bind(6, v.deployment_digest);
-    visit_.bind(7, temperature(0))
-        .bind(8, temperature(1))
-        .bind(9, of_speed(&VisitSpeed::speed_mps))
-        .bind(10, of_speed(&VisitSpeed::sigma_mps));
-    visit_.bind(11, of_speed(&VisitSpeed::offset_mps)).bind(12, of_speed(&VisitSpeed::temperature_degC));
-    visit_.bind(13, v.verdict).bind(14, v.who).bind(15, v.note).bind(16, v.source).bind(17, v.program);
+    visit_.bind_all(to_string(v.kind), v.site, v.happened_s, v.added_s, v.digest, v.deployment_digest,
+                    temperature(0), temperature(1), of_speed(&VisitSpeed::speed_mps),
+                    of_speed(&VisitSpeed::sigma_mps), of_speed(&VisitSpeed::offset_mps),
+                    of_speed(&VisitSpeed::temperature_degC), v.verdict, v.who, v.note, v.source, v.program);
     const auto row = visit_.next();
     const std::int64_t id = row && *row ? visit_.integer(0) : 0;
     visit_.reset();
@@ -143,7 +135,7 @@ class VisitWriter {
   }
 
   [[nodiscard]] Result<void> put_beacon(std::int64_t visit, std::size_t place, const VisitBeacon& b) {
-    beacon_.bind(1, visit).bind(2, static_cast<std::int64_t>(place)).bind(3, b.name);
+    beacon_.bind_all(visit, static_cast<std::int64_t>(place), b.name);
     for (int i = 0; i < 3; ++i) beacon_.bind(4 + i, b.position_m[i]).bind(7 + i, b.sigma_m[i]);
     beacon_.bind(10, b.delay_s).bind(11, b.delay_sigma_s).bind(12, to_string(b.status));
     return put(beacon_);
@@ -218,12 +210,8 @@ Result<std::vector<Visit>> History::list(const VisitFilter& filter) {
   if (!rows) return fail(rows.error());
   rows->bind(1, filter.site).bind(2, filter.kind ? to_string(*filter.kind) : "");
   std::vector<Visit> visits;
-  for (;;) {
-    const auto row = rows->next();
-    if (!row) return fail(row.error());
-    if (!*row) return visits;
-    visits.push_back(visit_in(*rows));
-  }
+  if (auto all = rows->for_each([&] { visits.push_back(visit_in(*rows)); }); !all) return fail(all.error());
+  return visits;
 }
 
 Result<std::vector<Visit>> History::calibrations(const std::string& site) {
@@ -234,13 +222,12 @@ Result<std::vector<Visit>> History::calibrations(const std::string& site) {
   auto rows = content_->database.prepare(
       fmt::format("SELECT {}, visit_id FROM beacon ORDER BY visit_id, place", kBeaconColumns));
   if (!rows) return fail(rows.error());
-  for (;;) {
-    const auto row = rows->next();
-    if (!row) return fail(row.error());
-    if (!*row) return visits;
+  const auto all = rows->for_each([&] {
     if (const auto visit = by_id.find(rows->integer(10)); visit != by_id.end())
-      visit->second->beacons.push_back(beacon_in(*rows, 0));
-  }
+      visit->second->beacons.push_back(beacon_in(*rows));
+  });
+  if (!all) return fail(all.error());
+  return visits;
 }
 
 Result<Visit> History::get(std::int64_t id) {
@@ -261,13 +248,9 @@ Result<Visit> History::get(std::int64_t id) {
   auto beacons = content_->database.prepare(
       fmt::format("SELECT {} FROM beacon WHERE visit_id = ?1 ORDER BY place", kBeaconColumns));
   if (!beacons) return fail(beacons.error());
-  beacons->bind(1, id);
-  for (;;) {
-    const auto row = beacons->next();
-    if (!row) return fail(row.error());
-    if (!*row) return visit;
-    visit.beacons.push_back(beacon_in(*beacons, 0));
-  }
+  const auto all = beacons->bind(1, id).for_each([&] { visit.beacons.push_back(beacon_in(*beacons)); });
+  if (!all) return fail(all.error());
+  return visit;
 }
 
 }  // namespace octant::io

@@ -92,7 +92,24 @@ class SqlStatement {
     rows_->bind_null(at);
     return *this;
   }
+  /// All of them, from 1.
+  template <class... Values>
+  SqlStatement& bind_all(const Values&... values) {
+    int at = 0;
+    (bind(++at, values), ...);
+    return *this;
+  }
   [[nodiscard]] Result<bool> next() { return rows_->next(); }
+  /// Calls visit() at each row.
+  template <class Visit>
+  [[nodiscard]] Result<void> for_each(Visit&& visit) {
+    for (;;) {
+      const auto row = next();
+      if (!row) return fail(row.error());
+      if (!*row) return {};
+      visit();
+    }
+  }
   void reset() { rows_->reset(); }
 
   [[nodiscard]] std::string text(int column) const { return rows_->text(column); }
