@@ -25,13 +25,6 @@ struct Group {
   int line = 0;  ///< of the value
 };
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t' || text.back() == '\r'))
-    text.remove_suffix(1);
-  return text;
-}
-
 class Groups {
  public:
   Groups(std::string_view text, const std::string& file) : text_(text), file_(file) {}
@@ -41,7 +34,7 @@ class Groups {
     std::string_view code;
     do {
       if (error || !read_line(code)) return false;
-    } while (code.empty() && at_ >= text_.size());
+    } while (code.empty() && text_.empty());
     double number = 0.0;
     if (parse_number(code, number) != NumberText::kNumber || number != std::floor(number) ||
         std::abs(number) > 100000) {
@@ -87,17 +80,14 @@ class Groups {
 
  private:
   bool read_line(std::string_view& line) {
-    if (at_ >= text_.size()) return false;
-    const std::size_t end = std::min(text_.find('\n', at_), text_.size());
-    line = trimmed(text_.substr(at_, end - at_));
-    at_ = end + 1;
+    if (text_.empty()) return false;
+    line = without_blanks(take_line(text_));
     ++line_;
     return true;
   }
 
   std::string_view text_;
   const std::string& file_;
-  std::size_t at_ = 0;
   int line_ = 0;
 };
 
@@ -192,7 +182,7 @@ class Reader {
     Entity& e = entity_.type == "POLYLINE" ? polyline_ : entity_;
     auto& points = e.drawn.points_m;
     if (g.code == 8) e.drawn.layer = g.value;
-    if (g.code == 70 || (g.code == 230 && trimmed(g.value).starts_with("-1")))
+    if (g.code == 70 || (g.code == 230 && without_blanks(g.value).starts_with("-1")))
       (g.code == 70 ? e.flags = groups_.integer(g) : e.mirrored = true);
     if (entity_.type == "LINE") {
       if (g.code == 10) points[0].x() = value;

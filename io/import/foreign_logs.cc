@@ -11,6 +11,7 @@
 #include "io/text/bounds.h"
 #include "io/text/csv.h"
 #include "io/text/mapped_file.h"
+#include "io/text/text.h"
 #include "io/tof/run_parts.h"
 
 namespace octant::io {
@@ -87,11 +88,9 @@ class CarmenReader {
 
   Result<MeasurementLog> read(std::string_view text) {
     for (int number = 1; !text.empty(); ++number) {
-      const std::size_t end = std::min(text.find('\n'), text.size());
-      CarmenLine words(text.substr(0, end), log_.path, number);
+      CarmenLine words(take_line(text), log_.path, number);
       line(words);
       if (words.error()) return fail(*words.error());
-      text.remove_prefix(std::min(end + 1, text.size()));
     }
     if (log_.scans.empty() && log_.odometry.empty())
       return fail({.code = Errc::kBadInput,

@@ -18,8 +18,8 @@ namespace {
 template <class Rows>
 bool put_in_order(Rows& rows) {
   const auto earlier = [](const auto& a, const auto& b) { return a.time_s < b.time_s; };
-  if (std::is_sorted(rows.begin(), rows.end(), earlier)) return false;
-  std::stable_sort(rows.begin(), rows.end(), earlier);
+  if (std::ranges::is_sorted(rows, earlier)) return false;
+  std::ranges::stable_sort(rows, earlier);
   return true;
 }
 
@@ -50,7 +50,7 @@ MeasurementLog steps_of(const std::vector<TimedPose>& poses) {
 
 template <class Test>
 bool any_arrival(const ImportedLog& log, Test test) {
-  return std::any_of(log.arrivals.begin(), log.arrivals.end(), test);
+  return std::ranges::any_of(log.arrivals, test);
 }
 
 void append_number(std::string& text, double value) {

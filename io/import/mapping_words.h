@@ -32,7 +32,7 @@ struct MappingWord {
 }
 
 [[nodiscard]] inline bool is_ignored(const std::vector<std::string>& ignored, std::string_view name) {
-  return std::find(ignored.begin(), ignored.end(), name) != ignored.end();
+  return std::ranges::find(ignored, name) != ignored.end();
 }
 
 /// The names under `ignore` of a mapping: a neighbour's beacons, which are left out and counted.

@@ -41,12 +41,6 @@ const TofColumn* tof_column(std::string_view name) {
   return nullptr;
 }
 
-std::string_view without_blanks(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  return first == std::string_view::npos ? std::string_view()
-                                         : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
 Result<ColumnRule> rule_of(std::string_view target, std::string_view source) {
   const TofColumn* column = tof_column(without_blanks(target));
   if (column == nullptr)
@@ -63,9 +57,7 @@ Result<ColumnRule> rule_of(std::string_view target, std::string_view source) {
                    .found = fmt::format("{} is no factor", in_quotes(source.substr(star + 1))),
                    .expected = "a number, as in timestamp_ms*1e-3"});
   } else if (!column->is_id) {
-    std::string lower = rule.source;
-    std::transform(lower.begin(), lower.end(), lower.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string lower = lower_case(rule.source);
     for (const auto& [suffix, factor] : kUnitSuffixes)
       if (lower.ends_with(suffix)) rule.factor = factor;
   }
@@ -78,8 +70,7 @@ Result<ColumnRule> rule_of(std::string_view target, std::string_view source) {
 
 Result<void> check_mapping(const TableMapping& mapping) {
   const auto has = [&](std::string_view name) {
-    return std::count_if(mapping.columns.begin(), mapping.columns.end(),
-                         [&](const ColumnRule& r) { return r.target == name; });
+    return std::ranges::count(mapping.columns, name, &ColumnRule::target);
   };
   for (const TofColumn& c : kTofColumns)
     if (has(c.name) > 1)
@@ -130,8 +121,7 @@ char delimiter_of(std::string_view header, const TableMapping& mapping) {
   for (const char delimiter : {',', ';', '\t', '|', ' '}) {
     const auto cells = cells_of(header, delimiter);
     std::size_t found = 0;
-    for (const ColumnRule& r : mapping.columns)
-      found += std::count(cells.begin(), cells.end(), r.source) > 0 ? 1 : 0;
+    for (const ColumnRule& r : mapping.columns) found += std::ranges::count(cells, r.source) > 0 ? 1 : 0;
     if (std::pair(found, cells.size()) <= std::pair(most_found, most_cells)) continue;
     best = delimiter;
     most_found = found;
@@ -151,10 +141,8 @@ class TableReader {
 
   Result<ConvertedTable> read(std::string_view text) {
     std::vector<TableRow> rows;
-    for (std::size_t at = 0; at < text.size();) {
-      const std::size_t end = std::min(text.find('\n', at), text.size());
-      const std::string_view line = without_blanks(text.substr(at, end - at));
-      at = end + 1;
+    while (!text.empty()) {
+      const std::string_view line = without_blanks(take_line(text));
       ++line_;
       if (line.empty() || line.front() == '#') continue;
       if (sources_.empty()) {
@@ -196,7 +184,7 @@ class TableReader {
     header_ = std::move(*header);
     std::vector<std::string> missing;
     for (const ColumnRule& rule : mapping_.columns) {
-      const auto at = std::find(header_.begin(), header_.end(), rule.source);
+      const auto at = std::ranges::find(header_, rule.source);
       if (at == header_.end()) missing.push_back(in_quotes(rule.source));
       sources_.push_back(static_cast<std::size_t>(at - header_.begin()));
     }
@@ -210,9 +198,8 @@ class TableReader {
 
   /// 1,5 is a number where commas do not part the cells.
   bool number(std::string text, double& value) {
-    if (out_.delimiter != ',' && std::count(text.begin(), text.end(), ',') == 1 &&
-        text.find('.') == std::string::npos) {
-      std::replace(text.begin(), text.end(), ',', '.');
+    if (out_.delimiter != ',' && std::ranges::count(text, ',') == 1 && text.find('.') == std::string::npos) {
+      std::ranges::replace(text, ',', '.');
       out_.decimal_comma = true;
     }
     return parse_number(text, value) == NumberText::kNumber;
@@ -264,9 +251,9 @@ class TableReader {
     for (const ColumnRule& rule : mapping_.columns) out_.csv += (out_.csv.empty() ? "" : ",") + rule.target;
     out_.csv += '\n';
     const auto earlier = [](const TableRow& a, const TableRow& b) { return a.time_s < b.time_s; };
-    if (!std::is_sorted(rows.begin(), rows.end(), earlier)) {
+    if (!std::ranges::is_sorted(rows, earlier)) {
       out_.warnings.push_back(path_ + ": the rows are not in the order of time; they were put into it");
-      std::stable_sort(rows.begin(), rows.end(), earlier);
+      std::ranges::stable_sort(rows, earlier);
     }
     if (out_.dropped > 0)
       out_.warnings.push_back(fmt::format("{}: {} rows without a beacon were left out", path_, out_.dropped));
@@ -305,18 +292,14 @@ std::optional<TableMapping> mapping_of_header(const std::string& path) {
   if (!map) return std::nullopt;
   std::string_view text = without_bom(map->text().substr(0, kHeadBytes));
   std::string_view header;
-  while (!text.empty() && (header.empty() || header.front() == '#')) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    header = without_blanks(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
+  while (!text.empty() && (header.empty() || header.front() == '#')) header = without_blanks(take_line(text));
   TableMapping all;
   for (const TofColumn& c : kTofColumns) all.columns.push_back({std::string(c.name), std::string(c.name)});
   const auto cells =
       cells_of(header.substr(0, kHeaderBytes), delimiter_of(header.substr(0, kHeaderBytes), all));
   TableMapping own;
   for (const ColumnRule& rule : all.columns)
-    if (std::count(cells.begin(), cells.end(), rule.source) == 1) own.columns.push_back(rule);
+    if (std::ranges::count(cells, rule.source) == 1) own.columns.push_back(rule);
   return check_mapping(own) ? std::optional(own) : std::nullopt;
 }
 

@@ -23,17 +23,11 @@ constexpr std::size_t kMostFields = 4096;  ///< of a line
 constexpr double kLoggedDay_s = 86400.0;
 constexpr int kAnchors = 8;  ///< of the Crazyflie's two-way ranging
 
-std::string_view trimmed_field(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r");
-  return first == std::string_view::npos ? std::string_view()
-                                         : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
 std::vector<std::string_view> fields_at(std::string_view line, char delimiter) {
   std::vector<std::string_view> fields;
   while (fields.size() < kMostFields) {
     const std::size_t end = line.find(delimiter);
-    fields.push_back(trimmed_field(line.substr(0, end)));
+    fields.push_back(without_blanks(line.substr(0, end)));
     if (end == std::string_view::npos) break;
     line.remove_prefix(end + 1);
   }
@@ -94,9 +88,7 @@ Result<void> for_each_line(const std::string& path, const Row& row) {
   if (auto fit = check_lines(map->text(), path); !fit) return fit;
   std::string_view text = without_bom(map->text());
   for (int number = 1; !text.empty(); ++number) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = trimmed_field(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
+    const std::string_view line = without_blanks(take_line(text));
     if (line.empty()) continue;
     if (auto taken = row(line, number); !taken) return taken;
   }
@@ -156,7 +148,7 @@ std::optional<double> written_time_s(std::string_view text) {
 
 bool is_address(std::string_view text) {
   return text.size() >= 4 && text.size() <= 16 &&
-         std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isxdigit(c) != 0; });
+         std::ranges::all_of(text, [](unsigned char c) { return std::isxdigit(c) != 0; });
 }
 
 struct Dwm1001Group {
@@ -263,7 +255,7 @@ class Dwm1001Reader {
 Result<ImportedLog> read_marvelmind_log(const std::string& path, const VendorLogOptions& options) {
   VendorRows rows(path, options);
   const auto row = [&rows](std::string_view line, int number) -> Result<void> {
-    while (line.ends_with(',')) line = trimmed_field(line.substr(0, line.size() - 1));
+    while (line.ends_with(',')) line = without_blanks(line.substr(0, line.size() - 1));
     const auto fields = fields_at(line, ',');
     // With the UNIX time there are seven fields before the pairs, without it six.
     const std::size_t head = fields.size() % 2 == 1 ? 7 : 6;
@@ -305,8 +297,8 @@ Result<ImportedLog> read_crazyflie_log(const std::string& path, const VendorLogO
     any = any || distance[i] >= 0;
   }
   if (!any && !csv.error()) {
-    const bool differences = std::any_of(csv.header().begin(), csv.header().end(),
-                                         [](const std::string& name) { return name.starts_with("tdoa"); });
+    const bool differences =
+        std::ranges::any_of(csv.header(), [](const std::string& name) { return name.starts_with("tdoa"); });
     return fail(rows.error(1, "no column ranging.distance0 to ranging.distance7",
                            "the distances of two-way ranging",
                            differences ? "time differences (tdoa) are no distances: set the anchors to TWR"

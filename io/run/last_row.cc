@@ -65,12 +65,12 @@ std::size_t decimals(std::string_view number) {
 
 /// Why a last cell is held to be cut, by those above it in its column; empty where it is not.
 std::string why_cut(std::string_view cell, const Cells& above) {
-  if (above.size() < kRowsThatTell || std::find(above.begin(), above.end(), cell) != above.end()) return "";
+  if (above.size() < kRowsThatTell || std::ranges::find(above, cell) != above.end()) return "";
   Cells numbers;
-  std::copy_if(above.begin(), above.end(), std::back_inserter(numbers), is_finite_number);
+  std::ranges::copy_if(above, std::back_inserter(numbers), is_finite_number);
   if (numbers.size() < kRowsThatTell) {
-    const bool begins_a_name = std::any_of(above.begin(), above.end(),
-                                           [&](std::string_view name) { return name.starts_with(cell); });
+    const bool begins_a_name =
+        std::ranges::any_of(above, [&](std::string_view name) { return name.starts_with(cell); });
     return begins_a_name ? fmt::format("ends with {}, which is the beginning of others", in_quotes(cell))
                          : "";
   }
@@ -81,8 +81,8 @@ std::string why_cut(std::string_view cell, const Cells& above) {
     least = std::min(least, decimals(number));
     shortest = std::min(shortest, number.size());
   }
-  const bool whole_numbers = std::all_of(numbers.begin(), numbers.end(),
-                                         [](std::string_view number) { return decimals(number) == 0; });
+  const bool whole_numbers =
+      std::ranges::all_of(numbers, [](std::string_view number) { return decimals(number) == 0; });
   if (whole_numbers ? cell.size() >= shortest : decimals(cell) >= least) return "";
   return fmt::format("ends with {}, which is shorter than all above it", in_quotes(cell));
 }
@@ -113,8 +113,7 @@ std::string_view without_cut_row(std::string_view text, const std::string& file,
     why = why_cut(last.back(), above);
   }
   std::string place = file;
-  if (text.size() <= kLinesCounted)
-    place += fmt::format(":{}", std::count(text.begin(), text.end(), '\n') + 1);
+  if (text.size() <= kLinesCounted) place += fmt::format(":{}", std::ranges::count(text, '\n') + 1);
   if (why.empty()) {
     warnings.push_back(
         fmt::format("{}: the last row has no newline at its end; it is used, but if the file was cut off "

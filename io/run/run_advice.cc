@@ -47,7 +47,7 @@ std::string advice_where_no_run_is(const std::string& folder) {
       }
   }
   if (runs.empty()) return "is this the run folder?";
-  std::sort(runs.begin(), runs.end());
+  std::ranges::sort(runs);
   std::string names;
   for (std::size_t i = 0; i < std::min(runs.size(), kMostNamed); ++i)
     names += (i == 0 ? "'" : " or '") + runs[i] + "'";

@@ -14,14 +14,6 @@
 namespace octant::io {
 namespace {
 
-constexpr double kTurn = 2 * M_PI + 1e-6;
-
-bool check_angle(CsvReader& csv, int column, const char* name, double angle_rad) {
-  if (std::abs(angle_rad) <= kTurn) return true;
-  return csv.fail_at(column, fmt::format("{} is {}", name, exact(angle_rad)), "radians, at most one turn",
-                     "degrees? multiply by pi / 180");
-}
-
 Result<void> finish(const CsvReader& csv, MeasurementLog& log) {
   if (csv.error()) return fail(*csv.error());
   if (const auto warning = csv.unknown_columns()) log.warnings.push_back(*warning);
@@ -87,7 +79,7 @@ Result<void> parse_bearings(std::string_view text, const std::string& file, cons
       if (skipped++ == 0) first = csv.place();
       continue;
     }
-    if (!check_angle(csv, angle, "bearing_rad", row.bearing_rad)) break;
+    if (!csv.check_angle(angle, row.bearing_rad)) break;
     log.bearings.push_back(row);
   }
   if (skipped > 0)
@@ -116,8 +108,7 @@ class OdometryColumns {
   bool read(CsvReader& csv, OdometryStep& row) const {
     if (!csv.length(dx_, row.dx_m) || !csv.length(dy_, row.dy_m)) return false;
     if (dz_ >= 0 && !csv.length(dz_, row.dz_m)) return false;
-    if (!in_space_)
-      return csv.number(turn_, row.dheading_rad) && check_angle(csv, turn_, "dheading_rad", row.dheading_rad);
+    if (!in_space_) return csv.number(turn_, row.dheading_rad) && csv.check_angle(turn_, row.dheading_rad);
     std::array<double, 4> xyzw{};
     for (std::size_t i = 0; i < 4; ++i)
       if (!csv.number(q_[i], xyzw[i])) return false;
@@ -177,11 +168,8 @@ Result<void> parse_scans(std::string_view text, const std::string& file, double 
   while (csv.next_row()) {
     Scan scan;
     if (!csv.number(time, scan.time_s) || !order.time(csv, scan.time_s)) break;
-    if (!csv.number(first, scan.angle_min_rad) ||
-        !check_angle(csv, first, "angle_min_rad", scan.angle_min_rad))
-      break;
-    if (!csv.number(step, scan.angle_increment_rad) ||
-        !check_angle(csv, step, "angle_increment_rad", scan.angle_increment_rad))
+    if (!csv.number(first, scan.angle_min_rad) || !csv.check_angle(first, scan.angle_min_rad)) break;
+    if (!csv.number(step, scan.angle_increment_rad) || !csv.check_angle(step, scan.angle_increment_rad))
       break;
     scan.range_m.resize(ranges.size());
     for (std::size_t k = 0; k < ranges.size(); ++k) {

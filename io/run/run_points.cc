@@ -70,10 +70,8 @@ bool read_point(CsvReader& csv, const PointColumns& columns, const NameLookup& n
   if (!csv.length(columns.x, point.p_m.x()) || !csv.length(columns.y, point.p_m.y())) return false;
   if (columns.z >= 0 && !csv.field(columns.z).empty() && !csv.length(columns.z, point.p_m.z())) return false;
   if (columns.heading >= 0 && !csv.number_or_nan(columns.heading, point.heading_rad)) return false;
-  if (std::abs(point.heading_rad) > 2 * M_PI + 1e-6)
-    return csv.fail_at(columns.heading, fmt::format("heading_rad is {}", exact(point.heading_rad)),
-                       "radians, at most one turn", "degrees? multiply by pi / 180");
-  return read_sigma(csv, columns.sigma, "sigma_m", point.sigma_m) &&
+  return csv.check_angle(columns.heading, point.heading_rad) &&
+         read_sigma(csv, columns.sigma, "sigma_m", point.sigma_m) &&
          read_sigma(csv, columns.heading_sigma, "heading_sigma_rad", point.heading_sigma_rad);
 }
 
@@ -103,7 +101,7 @@ void set_accuracy(const std::vector<Point>& points, const std::string& file, Pos
   set_sigma(points, &Point::sigma_m, "sigma_m", file, accuracy.position_sigma_m, log);
   set_sigma(points, &Point::heading_sigma_rad, "heading_sigma_rad", file, accuracy.heading_sigma_rad, log);
   const auto without =
-      std::count_if(points.begin(), points.end(), [](const Point& p) { return std::isnan(p.heading_rad); });
+      std::ranges::count_if(points, [](const Point& p) { return std::isnan(p.heading_rad); });
   if (without > 0) {
     accuracy.heading_known = false;
     if (static_cast<std::size_t>(without) < points.size())
@@ -165,8 +163,7 @@ Result<std::vector<TimedPose>> parse_points(std::string_view text, const std::st
     if (span.last_s > span.first_s) poses.push_back({span.last_s, T});
     longest_s = std::max(longest_s, span.last_s - span.first_s);
   }
-  std::stable_sort(poses.begin(), poses.end(),
-                   [](const TimedPose& a, const TimedPose& b) { return a.time_s < b.time_s; });
+  std::ranges::stable_sort(poses, {}, &TimedPose::time_s);
   accuracy.max_gap_s = longest_s * (1.0 + 1e-12);
   return poses;
 }

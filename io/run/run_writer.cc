@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "io/text/text.h"
 #include "io/tof/run_parts.h"
 
 namespace octant::io {
@@ -26,7 +27,7 @@ void append_optional(Out out, double value) {
 
 template <class Rows, class Test>
 bool any(const Rows& rows, Test test) {
-  return std::any_of(rows.begin(), rows.end(), test);
+  return std::ranges::any_of(rows, test);
 }
 
 std::vector<std::string> fields_of(const std::vector<std::string>& names) {
@@ -37,18 +38,6 @@ std::vector<std::string> fields_of(const std::vector<std::string>& names) {
 }
 
 }  // namespace
-
-std::string csv_field(std::string_view text) {
-  const bool plain = text.find_first_of(",\"\n\r#") == std::string_view::npos && !text.empty() &&
-                     text.front() != ' ' && text.back() != ' ';
-  if (plain || text.empty()) return std::string(text);
-  std::string out = "\"";
-  for (const char c : text) {
-    if (c == '"') out += '"';
-    out += c;
-  }
-  return out += '"';
-}
 
 std::string tof_to_csv(const MeasurementLog& log, const NameTable& names) {
   const auto& rows = log.arrivals;
@@ -102,8 +91,7 @@ std::string bearings_to_csv(const MeasurementLog& log, const NameTable& names) {
 
 std::string odometry_to_csv(const MeasurementLog& log, const NameTable& names) {
   const bool vehicle = several_vehicles(names);
-  const bool in_space =
-      std::any_of(log.odometry.begin(), log.odometry.end(), [](const auto& o) { return !o.is_planar(); });
+  const bool in_space = std::ranges::any_of(log.odometry, [](const auto& o) { return !o.is_planar(); });
   std::string text = in_space ? "time_s,dx_m,dy_m,dz_m,qx,qy,qz,qw" : "time_s,dx_m,dy_m,dheading_rad";
   text += vehicle ? ",vehicle\n" : "\n";
   const Out out = std::back_inserter(text);

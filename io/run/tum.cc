@@ -12,6 +12,7 @@
 #include "io/text/bounds.h"
 #include "io/text/text.h"
 #include "io/tof/run_parts.h"
+#include "models/physics/unit_rotation.h"
 #include "models/support/largest.h"
 
 namespace octant::io {
@@ -27,10 +28,8 @@ class TumReader {
   Result<std::vector<TimedPose>> read() {
     if (auto ok = check_lines(text_, file_); !ok) return fail(ok.error());
     std::vector<TimedPose> poses;
-    for (std::size_t at = 0; at < text_.size() && !error_; ++line_) {
-      const std::size_t stop = std::min(text_.find('\n', at), text_.size());
-      const std::string_view line = text_.substr(at, stop - at);
-      at = stop + 1;
+    for (; !text_.empty() && !error_; ++line_) {
+      const std::string_view line = take_line(text_);
       std::array<double, 8> v{};
       if (!read_numbers(line.substr(0, line.find('#')), v)) continue;
       if (!poses.empty() && !(v[0] > poses.back().time_s)) {
@@ -38,15 +37,12 @@ class TumReader {
              "strictly increasing times", "sort the rows and keep one for each time");
         break;
       }
-      Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
-      const double norm = q.norm();
-      if (!(norm > 1e-3) || !std::isfinite(norm)) {
+      const auto q = unit_rotation(v[4], v[5], v[6], v[7]);
+      if (!q) {
         note(0, "a quaternion of no length", "qx qy qz qw of length 1 (0 0 0 1 for no rotation)");
         break;
       }
-      // Rounding in the last digits is left alone, so that a written file reads back the same.
-      if (std::abs(norm - 1.0) > 1e-14) q.coeffs() /= norm;
-      poses.push_back({v[0], {{v[1], v[2], v[3]}, q}});
+      poses.push_back({v[0], {{v[1], v[2], v[3]}, *q}});
     }
     if (error_) return fail(*error_);
     return poses;

@@ -3,7 +3,6 @@
 #include "io/text/csv.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <unordered_set>
@@ -34,9 +33,7 @@ bool may_be_called(std::string_view ours, std::string_view theirs) {
       {"tof_s",
        {"tof", "time_of_flight", "toa", "delay", "flight_time", "range", "distance", "dist", "tdoa"}},
   };
-  std::string name(theirs);
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string name = lower_case(theirs);
   for (const ColumnNames& c : all) {
     if (c.name != ours) continue;
     for (const std::string_view other : c.others) {
@@ -133,9 +130,8 @@ std::string separator_advice(const std::string& file, std::string_view header, c
   std::size_t own = 0;
   while (!header.empty()) {
     const std::size_t end = std::min(header.find(separator), header.size());
-    own += static_cast<std::size_t>(
-        std::any_of(kTofColumns.begin(), kTofColumns.end(),
-                    [&](const TofColumn& known) { return header.substr(0, end) == known.name; }));
+    own += static_cast<std::size_t>(std::ranges::any_of(
+        kTofColumns, [&](const TofColumn& known) { return header.substr(0, end) == known.name; }));
     header.remove_prefix(std::min(end + 1, header.size()));
   }
   return fmt::format("octant convert {} {}-o RUN reads it as it is; or {}", file,
@@ -173,7 +169,7 @@ void CsvReader::read_header() {
 
 int CsvReader::find(std::string_view name) {
   asked_.emplace_back(name);
-  const auto found = std::find(header_.begin(), header_.end(), name);
+  const auto found = std::ranges::find(header_, name);
   if (found == header_.end()) return -1;
   const auto i = found - header_.begin();
   known_[static_cast<std::size_t>(i)] = true;
@@ -185,10 +181,9 @@ int CsvReader::require(std::string_view name) {
   if (column >= 0 || (error_ && missing_.empty())) return column;
   missing_.emplace_back(name);
   double value = 0.0;
-  const bool headless =
-      !header_.empty() && std::all_of(header_.begin(), header_.end(), [&](const std::string& text) {
-        return parse_number(text, value) == NumberText::kNumber;
-      });
+  const bool headless = !header_.empty() && std::ranges::all_of(header_, [&](const std::string& text) {
+    return parse_number(text, value) == NumberText::kNumber;
+  });
   std::vector<std::string> quoted;
   for (const std::string& m : missing_) quoted.push_back(in_quotes(m));
   const bool many = quoted.size() > 1;
@@ -365,6 +360,12 @@ bool CsvReader::number(int column, double& value) {
 bool CsvReader::length(int column, double& metres) {
   if (!number(column, metres)) return false;
   return std::abs(metres) <= kLargestLength_m || not_a_number(column, kExpectedLength);
+}
+
+bool CsvReader::check_angle(int column, double angle_rad) {
+  if (!(std::abs(angle_rad) > 2 * M_PI + 1e-6)) return true;
+  return fail_at(column, fmt::format("{} is {}", header_[static_cast<std::size_t>(column)], exact(angle_rad)),
+                 "radians, at most one turn", "degrees? multiply by pi / 180");
 }
 
 bool CsvReader::integer(int column, std::int64_t& value) {

@@ -71,6 +71,8 @@ class CsvReader {
   bool number(int column, double& value);
   /// The same in metres, no more than kLargestLength_m.
   bool length(int column, double& metres);
+  /// Whether the cell's angle is within one turn (NaN is).
+  bool check_angle(int column, double angle_rad);
   /// A whole number; "7.0" counts as one.
   bool integer(int column, std::int64_t& value);
 

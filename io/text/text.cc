@@ -19,12 +19,6 @@ namespace {
 constexpr std::size_t kShown = 40;        // characters of a value that a message repeats
 constexpr std::size_t kLongestName = 64;  // beyond it nobody has mistyped a name
 
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return out;
-}
-
 /// Levenshtein's distance, neighbouring letters exchanged counting once.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
@@ -123,11 +117,11 @@ std::string suggestion(std::string_view name, const std::vector<std::string>& ca
   if (candidates.empty()) return "";
   std::vector<std::pair<std::size_t, std::string>> close;
   if (name.size() <= kLongestName) {
-    const std::string wanted = lower(name);
+    const std::string wanted = lower_case(name);
     const std::size_t limit = std::max<std::size_t>(1, name.size() / 3);
     for (const std::string& candidate : candidates) {
       if (candidate.size() > kLongestName) continue;
-      const std::string have = lower(candidate);
+      const std::string have = lower_case(candidate);
       std::size_t distance = edit_distance(wanted, have);
       // A name that lacks its unit, or that has a wrong one behind it.
       if (wanted.size() >= 3 && (have.starts_with(wanted) || wanted.starts_with(have + "_")))
@@ -136,8 +130,7 @@ std::string suggestion(std::string_view name, const std::vector<std::string>& ca
     }
   }
   if (close.empty()) return "known: " + listed(candidates);
-  std::stable_sort(close.begin(), close.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::stable_sort(close, [](const auto& a, const auto& b) { return a.first < b.first; });
   std::string out = "did you mean ";
   for (std::size_t i = 0; i < std::min<std::size_t>(3, close.size()) && close[i].first == close[0].first;
        ++i) {
@@ -145,6 +138,36 @@ std::string suggestion(std::string_view name, const std::vector<std::string>& ca
     out += in_quotes(close[i].second);
   }
   return out += "?";
+}
+
+std::string_view without_blanks(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r");
+  return first == std::string_view::npos ? std::string_view()
+                                         : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+std::string_view take_line(std::string_view& text) {
+  const std::string_view line = text.substr(0, text.find('\n'));
+  text.remove_prefix(std::min(line.size() + 1, text.size()));
+  return line;
+}
+
+std::string lower_case(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return out;
+}
+
+std::string csv_field(std::string_view text) {
+  const bool plain = text.find_first_of(",\"\n\r#") == std::string_view::npos && !text.empty() &&
+                     text.front() != ' ' && text.back() != ' ';
+  if (plain || text.empty()) return std::string(text);
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"') out += '"';
+    out += c;
+  }
+  return out += '"';
 }
 
 std::string exact(double value) { return fmt::format("{}", value); }
@@ -183,7 +206,7 @@ bool parse_integer(std::string_view text, std::int64_t& value) {
 TextPosition position_of(std::string_view text, std::size_t offset) {
   const std::string_view before = text.substr(0, std::min(offset, text.size()));
   const std::size_t newline = before.rfind('\n');
-  return {static_cast<int>(1 + std::count(before.begin(), before.end(), '\n')),
+  return {static_cast<int>(1 + std::ranges::count(before, '\n')),
           static_cast<int>(1 + before.size() - (newline == std::string_view::npos ? 0 : newline + 1))};
 }
 

@@ -25,6 +25,15 @@ namespace octant::io {
 /// "a, b, c" of at most `most` items, with "... (n in all)" behind.
 [[nodiscard]] std::string listed(const std::vector<std::string>& items, std::size_t most = 8);
 
+/// The text without blanks and carriage returns around it.
+[[nodiscard]] std::string_view without_blanks(std::string_view text);
+/// Takes the first line off a text; its newline is in neither.
+std::string_view take_line(std::string_view& text);
+/// ASCII letters in lower case.
+[[nodiscard]] std::string lower_case(std::string_view text);
+/// A CSV field, in quotes where it needs them.
+[[nodiscard]] std::string csv_field(std::string_view text);
+
 /// Shortest decimal text that reads back as the same double.
 [[nodiscard]] std::string exact(double value);
 

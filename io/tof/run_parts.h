@@ -86,7 +86,4 @@ struct RunHeader {
 [[nodiscard]] std::string bearings_to_csv(const MeasurementLog& log, const NameTable& names);
 [[nodiscard]] std::string odometry_to_csv(const MeasurementLog& log, const NameTable& names);
 [[nodiscard]] std::string scans_to_csv(const MeasurementLog& log);
-/// A CSV field, in quotes where it needs them.
-[[nodiscard]] std::string csv_field(std::string_view text);
-
 }  // namespace octant::io

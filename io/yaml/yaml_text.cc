@@ -15,14 +15,12 @@ bool is_plain_scalar(std::string_view text) {
   if (text.empty() || !std::isalpha(static_cast<unsigned char>(text[0])) ||
       parse_number(text, value) == NumberText::kNumber)
     return false;
-  if (!std::all_of(text.begin(), text.end(),
-                   [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; })) {
+  if (!std::ranges::all_of(
+          text, [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '.'; })) {
     return false;
   }
-  std::string lower(text);
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   constexpr std::string_view kWords[] = {"null", "true", "false", "yes", "no", "on", "off", "y", "n"};
-  return std::find(std::begin(kWords), std::end(kWords), lower) == std::end(kWords);
+  return std::ranges::find(kWords, lower_case(text)) == std::end(kWords);
 }
 
 /// Characters beyond ASCII that YAML takes for the end of a line, or does not allow as they are

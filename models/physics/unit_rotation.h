@@ -10,13 +10,14 @@
 namespace octant {
 
 /// The rotation that the four numbers of a quaternion write, whatever its length, as files and other programs
-/// round them. None: no length, or no numbers.
+/// round them. Rounding in the last digits is left alone, so that what was written reads back the same. None:
+/// no length, or no numbers.
 [[nodiscard]] inline std::optional<Eigen::Quaterniond> unit_rotation(double qx, double qy, double qz,
                                                                      double qw) {
   const Eigen::Quaterniond q(qw, qx, qy, qz);
   const double length = q.norm();
   if (!(length > 1e-3) || !std::isfinite(length)) return std::nullopt;
-  return q.normalized();
+  return std::abs(length - 1.0) > 1e-14 ? q.normalized() : q;
 }
 
 }  // namespace octant

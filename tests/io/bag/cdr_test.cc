@@ -75,7 +75,7 @@ TEST(Cdr, ReadsEveryEncodingThatThereIs) {
       const std::string message = encoded(fields, kind);
       CdrReader in(message);
       for (const Field& field : fields) RC_ASSERT(reads(in, field));
-      RC_ASSERT(in.ok() && in.known_encoding());
+      RC_ASSERT(in.ok());
     }
   }));
 }
@@ -120,11 +120,11 @@ TEST(Cdr, OtherEncodingsAreNotGuessed) {
   for (const int kind : {2, 3, 4, 5, 8, 10, 255}) {
     const std::string message = encoded({std::uint32_t{1}}, kind);
     CdrReader in(message);
-    EXPECT_FALSE(in.known_encoding() || in.ok()) << kind;
+    EXPECT_FALSE(in.ok()) << kind;
     EXPECT_EQ(in.value<std::uint32_t>(), 0U);
   }
-  EXPECT_FALSE(CdrReader("").known_encoding());
-  EXPECT_FALSE(CdrReader(std::string_view("\1\1\0\0", 4)).known_encoding());
+  EXPECT_FALSE(CdrReader("").ok());
+  EXPECT_FALSE(CdrReader(std::string_view("\1\1\0\0", 4)).ok());
 }
 
 TEST(Cdr, ASequenceIsNoLongerThanItsBytes) {

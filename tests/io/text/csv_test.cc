@@ -113,6 +113,15 @@ TEST(Csv, WholeNumbers) {
   EXPECT_FALSE(csv.integer(3, value));
 }
 
+TEST(CsvField, IsInQuotesWhereItNeedsThem) {
+  EXPECT_EQ(csv_field("plain text"), "plain text");
+  EXPECT_EQ(csv_field("a,b"), "\"a,b\"");
+  EXPECT_EQ(csv_field("a\"b"), "\"a\"\"b\"");
+  EXPECT_EQ(csv_field("a\nb"), "\"a\nb\"");
+  EXPECT_EQ(csv_field(" a#"), "\" a#\"");
+  EXPECT_EQ(csv_field(""), "");
+}
+
 TEST(Csv, ReadsBackEveryField) {
   EXPECT_TRUE(rc::check("rows of csv_field() read back", [] {
     const auto columns = *rc::gen::inRange<std::size_t>(2, 5);
