@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/octant/commands.h"
 
-#include <algorithm>
-#include <cctype>
 #include <map>
 
 #include <CLI/Config.hpp>
@@ -11,31 +9,25 @@
 
 #include "apps/octant/help/help.h"
 #include "apps/octant/steps/steps.h"
+#include "io/text/text.h"
 
 namespace octant::app {
 
 void add_common_options(CLI::App& app, CommonOptions& common) {
-  const std::string group(kCommonGroup);
-  app.set_help_flag("-h,--help", "Print this help and exit")->group(group);
-  app.set_version_flag("-V,--version", "octant " OCTANT_VERSION)->group(group);
+  const OptionGroup group(app, std::string(kCommonGroup));
+  app.set_help_flag("-h,--help", "Print this help and exit");
+  app.set_version_flag("-V,--version", "octant " OCTANT_VERSION);
   app.add_flag("--json", common.json,
-               "Print one JSON object on standard output, on failure too, and nothing else there")
-      ->group(group);
-  app.add_flag("-q,--quiet", common.quiet, "No notes and no progress; warnings and errors stay")
-      ->group(group);
-  app.add_flag("-v,--verbose", common.verbose, "Say more: notes on standard error, all tables in results")
-      ->group(group);
+               "Print one JSON object on standard output, on failure too, and nothing else there");
+  app.add_flag("-q,--quiet", common.quiet, "No notes and no progress; warnings and errors stay");
+  app.add_flag("-v,--verbose", common.verbose, "Say more: notes on standard error, all tables in results");
   add_option(app, "--progress", common.progress, "STYLE", "On standard error: auto, plain, json or none")
       ->check(CLI::IsMember({"auto", "plain", "json", "none"}))
-      ->capture_default_str()
-      ->group(group);
+      ->capture_default_str();
   add_option(app, "--threads", common.threads, "N", "Threads to use; 0: all cores")
       ->check(CLI::Range(0, 1024))
-      ->capture_default_str()
-      ->group(group);
-  add_option(app, "--seed", common.seed, "N", "Seed of everything random")
-      ->capture_default_str()
-      ->group(group);
+      ->capture_default_str();
+  add_option(app, "--seed", common.seed, "N", "Seed of everything random")->capture_default_str();
 }
 
 void add_method_options(CLI::App& command, MethodArgs& args) {
@@ -45,9 +37,7 @@ void add_method_options(CLI::App& command, MethodArgs& args) {
       .add_option_function<std::string>(
           "--method",
           [&args, listed](const std::string& wanted) {
-            std::string lower = wanted;
-            std::transform(lower.begin(), lower.end(), lower.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+            const std::string lower = io::lower_case(wanted);
             for (const auto& [name, value] : method_names())
               if (name == lower) return void(args.method = value);
             throw CLI::ValidationError("--method",

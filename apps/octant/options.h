@@ -41,6 +41,22 @@ CLI::Option* add_required_option(CLI::App& command, const std::string& name, T& 
   return add_option(command, name, value, type, help)->required();
 }
 
+/// Options that are added while it lives stand under a heading of their own in --help.
+class OptionGroup {
+ public:
+  OptionGroup(CLI::App& command, const std::string& heading)
+      : defaults_(*command.option_defaults()), before_(defaults_.get_group()) {
+    defaults_.group(heading);
+  }
+  ~OptionGroup() { defaults_.group(before_); }
+  OptionGroup(const OptionGroup&) = delete;
+  OptionGroup& operator=(const OptionGroup&) = delete;
+
+ private:
+  CLI::OptionDefaults& defaults_;
+  std::string before_;
+};
+
 /// Makes main() call `run` with the arguments where the command line names this command.
 template <class Args>
 void set_action(CLI::App& command, std::shared_ptr<Args> args, Action& action,

@@ -94,7 +94,7 @@ void Session::detail(std::string_view text) {
 
 void Session::warn(const std::vector<std::string>& warnings) {
   for (const auto& warning : warnings) {
-    if (std::find(warnings_.begin(), warnings_.end(), warning) != warnings_.end()) continue;
+    if (std::ranges::find(warnings_, warning) != warnings_.end()) continue;
     warnings_.push_back(warning);
     if (silent_ || warning_lines_ >= kMaxWarningLines || warning_bytes_ >= kMaxWarningBytes) continue;
     ++warning_lines_;
@@ -150,10 +150,11 @@ int Session::fail(const Failure& failure, Json result) {
   return print(whole, failure.exit);
 }
 
-int Session::fail(const Error& error) {
+int Session::fail(const Error& error, const Json& result) {
   Ending end = ending(error);
   if (end.exit == kInterrupted) return interrupted();
   complain(end.message);
+  end.object.update(result);
   end.object["warnings"] = warnings_;
   return print(end.object, end.exit);
 }

@@ -92,7 +92,7 @@ class Session {
   [[nodiscard]] int finish(const Json& result);
   /// Ends with a failure; keys of `result` are kept beside `status` and `error`.
   [[nodiscard]] int fail(const Failure& failure, Json result = Json::object());
-  [[nodiscard]] int fail(const Error& error);
+  [[nodiscard]] int fail(const Error& error, const Json& result = Json::object());
   /// Ends with exit 2: what was typed makes no sense.
   [[nodiscard]] int fail_usage(const std::string& message, const std::string& advice = "");
   [[nodiscard]] int interrupted();

@@ -99,11 +99,8 @@ py::object verify(const std::string& path, const std::vector<std::string>& runs,
     Method how = Method::kAuto;
     for (const auto& [name, value] : method_names())
       if (name == method) how = value;
-    const auto read = app::read_runs(runs, names_of(*deployment), deployment->timing,
-                                     {.read_truth = true,
-                                      .read_poses = how == Method::kLineMap,
-                                      .constant_speed_mps = app::constant_speed_mps(deployment->medium)},
-                                     session);
+    const auto read = app::read_runs(runs, *deployment,
+                                     {.read_truth = true, .read_poses = how == Method::kLineMap}, session);
     if (!read) return session.fail(read.error());
     const auto located = app::localize_runs(*deployment, *read, how);
     if (!located) return session.fail(located.error());

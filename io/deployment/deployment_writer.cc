@@ -154,30 +154,9 @@ Json validity_json(const Deployment& d) {
   return json;
 }
 
-Json contradictions_json(const std::vector<Contradiction>& contradictions) {
-  Json list = Json::array();
-  for (const Contradiction& c : contradictions) {
-    list.push_back({{"kind", to_string(c.kind)},
-                    {"subject", c.subject},
-                    {"stated", c.stated},
-                    {"found", c.found},
-                    {"sigmas", c.sigmas},
-                    {"remedy", c.remedy}});
-  }
-  return list;
-}
-
 Json previous_json(const Previous& p, const NameTable& names) {
   std::vector<std::string> released = parameter_names(p.released.parameters, names);
   if (p.released.datum) released.emplace_back("datum");
-  Json changes = Json::array();
-  for (const Change& c : p.changes)
-    changes.push_back({{"kind", to_string(c.kind)},
-                       {"subject", c.subject},
-                       {"size", c.size},
-                       {"sigma", c.sigma},
-                       {"unit", unit_of(c.kind)},
-                       {"p", c.p}});
   return {{"sha256", p.sha256},
           {"created", p.created},
           {"drift",
@@ -188,7 +167,7 @@ Json previous_json(const Previous& p, const NameTable& names) {
             {"log_gain", p.drift.log_gain},
             {"attenuation", p.drift.attenuation}}},
           {"released", released},
-          {"changes", changes}};
+          {"changes", json_of(p.changes)}};
 }
 
 Json content_of(const Deployment& d) {
@@ -218,7 +197,7 @@ Json content_of(const Deployment& d) {
   json["warnings"] = d.warnings;
   if (d.previous) json["previous"] = previous_json(*d.previous, names_of(d));
   if (!d.contradictions.empty())
-    json["verdict"] = {{"grade", "Contradicted"}, {"contradictions", contradictions_json(d.contradictions)}};
+    json["verdict"] = {{"grade", "Contradicted"}, {"contradictions", json_of(d.contradictions)}};
   json["covariance"] = covariance_json(d.covariance, names_of(d));
   return json;
 }

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// How values stand in JSON, for every document: what is missing as null, a vector as a list of its numbers.
+// How values stand in JSON, for every document: what is missing as null, a vector as a list of its numbers,
+// changes and contradictions with the same keys everywhere.
 
 #include <array>
 #include <optional>
@@ -9,6 +10,9 @@
 
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
+
+#include "models/changes/change.h"
+#include "models/contradiction.h"
 
 namespace nlohmann {
 
@@ -38,3 +42,31 @@ struct adl_serializer<Eigen::Matrix<double, N, 1>> {
 };
 
 }  // namespace nlohmann
+
+namespace octant::io {
+
+[[nodiscard]] inline nlohmann::ordered_json json_of(const std::vector<Change>& changes) {
+  auto list = nlohmann::ordered_json::array();
+  for (const Change& c : changes)
+    list.push_back({{"kind", to_string(c.kind)},
+                    {"subject", c.subject},
+                    {"size", c.size},
+                    {"sigma", c.sigma},
+                    {"unit", unit_of(c.kind)},
+                    {"p", c.p}});
+  return list;
+}
+
+[[nodiscard]] inline nlohmann::ordered_json json_of(const std::vector<Contradiction>& contradictions) {
+  auto list = nlohmann::ordered_json::array();
+  for (const Contradiction& c : contradictions)
+    list.push_back({{"kind", to_string(c.kind)},
+                    {"subject", c.subject},
+                    {"stated", c.stated},
+                    {"found", c.found},
+                    {"sigmas", c.sigmas},
+                    {"remedy", c.remedy}});
+  return list;
+}
+
+}  // namespace octant::io

@@ -65,8 +65,7 @@ std::vector<SiteOutcome> gathered(const std::vector<SiteOutcome>& mine, const Jo
     for (const Json& one : Json::parse(text))
       all.push_back({one["number"].get<std::size_t>(), static_cast<Exit>(one["exit"].get<int>()),
                      one["message"].get<std::string>(), one["object"]});
-  std::sort(all.begin(), all.end(),
-            [](const SiteOutcome& a, const SiteOutcome& b) { return a.number < b.number; });
+  std::ranges::sort(all, {}, &SiteOutcome::number);
   return all;
 }
 

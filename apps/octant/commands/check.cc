@@ -124,10 +124,6 @@ Json beacons_json(const calib::Forecast& f) {
   return list;
 }
 
-void add_line(std::string& text, const char* name, const std::string& what) {
-  text += named_line(name, what);
-}
-
 std::string coverage_words(const calib::Coverage& c) {
   return c.rows == 0 ? "none"
                      : fmt::format("{} rows, with {:.0f} % of the arrivals, longest gap {:.3g} s", c.rows,
@@ -153,23 +149,22 @@ std::string health_text(const calib::RunHealth& h, bool has_truth) {
   }
   const std::string rejected = counts_in_words(h.rejected);
   text += "\n";
-  add_line(text, "rejected rows", rejected.empty() ? "none" : rejected);
-  add_line(text, "duplicate rows", fmt::format("{}", h.duplicates));
-  add_line(text, "pauses",
-           h.gaps.empty()
-               ? "none"
-               : fmt::format("{}, the longest {:.3g} s", h.gaps.size(), h.gaps[0].to_s - h.gaps[0].from_s));
-  add_line(text, "clock jumps",
-           h.clock_steps.empty() ? "none seen" : fmt::format("{}", h.clock_steps.size()));
-  add_line(text, "median range", length_text(h.median_range_m));
-  if (h.resolution_s > 0) add_line(text, "resolution", time_text(h.resolution_s));
-  add_line(text, "temperature",
-           h.temperature_share > 0 ? fmt::format("with {:.0f} % of the arrivals", 100 * h.temperature_share)
-           : h.temperature_of_run  ? "of the run"
-                                   : "of the site only");
-  add_line(text, "odometry", coverage_words(h.odometry));
-  add_line(text, "measured poses", coverage_words(h.poses));
-  add_line(text, "truth.tum", has_truth ? "present (not opened)" : "none");
+  text += named_line("rejected rows", rejected.empty() ? "none" : rejected);
+  text += named_line("duplicate rows", fmt::format("{}", h.duplicates));
+  text += named_line("pauses", h.gaps.empty() ? "none"
+                                              : fmt::format("{}, the longest {:.3g} s", h.gaps.size(),
+                                                            h.gaps[0].to_s - h.gaps[0].from_s));
+  text += named_line("clock jumps",
+                     h.clock_steps.empty() ? "none seen" : fmt::format("{}", h.clock_steps.size()));
+  text += named_line("median range", length_text(h.median_range_m));
+  if (h.resolution_s > 0) text += named_line("resolution", time_text(h.resolution_s));
+  text += named_line("temperature", h.temperature_share > 0 ? fmt::format("with {:.0f} % of the arrivals",
+                                                                          100 * h.temperature_share)
+                                    : h.temperature_of_run  ? "of the run"
+                                                            : "of the site only");
+  text += named_line("odometry", coverage_words(h.odometry));
+  text += named_line("measured poses", coverage_words(h.poses));
+  text += named_line("truth.tum", has_truth ? "present (not opened)" : "none");
   return text + "\n";
 }
 
@@ -210,8 +205,7 @@ std::string lone_beacons_text(const calib::Solution& s) {
   std::vector<std::pair<std::string, std::vector<const calib::WeakDirection*>>> by_remedy;
   for (const auto& w : s.weak) {
     if (!w.lone_beacon) continue;
-    auto at =
-        std::find_if(by_remedy.begin(), by_remedy.end(), [&](const auto& r) { return r.first == w.remedy; });
+    auto at = std::ranges::find_if(by_remedy, [&](const auto& r) { return r.first == w.remedy; });
     if (at == by_remedy.end()) at = by_remedy.insert(at, {w.remedy, {}});
     at->second.push_back(&w);
   }
@@ -224,7 +218,7 @@ std::string lone_beacons_text(const calib::Solution& s) {
         names.push_back(w->parameters.front().substr(std::string_view("beacon/").size()));
       who = fmt::format("beacons {}", fmt::join(names, ", "));
     }
-    add_line(text, "weak", fmt::format("{}; settled by: {}", who, remedy));
+    text += named_line("weak", fmt::format("{}; settled by: {}", who, remedy));
   }
   return text;
 }
@@ -247,14 +241,14 @@ std::string forecast_verdict_text(const calib::Forecast& f) {
                             ? "these data cannot determine what the site asks for: calibrate would refuse"
                             : "the adjustment did not converge: calibrate may not either";
   std::string text;
-  add_line(text, "verdict", verdict);
+  text += named_line("verdict", verdict);
   for (const auto& w : s.weak) {
     if (w.lone_beacon) continue;
     const std::string at_robot = w.consequence_m > 0 && std::isfinite(w.consequence_m)
                                      ? fmt::format(": up to {} at the robot", length_text(w.consequence_m))
                                      : "";
-    add_line(text, w.blocking ? "undetermined" : "weak",
-             fmt::format("{}{}; settled by: {}", w.description, at_robot, w.remedy));
+    text += named_line(w.blocking ? "undetermined" : "weak",
+                       fmt::format("{}{}; settled by: {}", w.description, at_robot, w.remedy));
   }
   return text + lone_beacons_text(s);
 }
@@ -270,23 +264,17 @@ std::string forecast_tables(const calib::Forecast& f, const std::string& site) {
   if (f.solution.beacon_status.empty()) return text;
   text += "\n" + check_beacon_table(f) + "\n";
   if (f.speed_sigma_mps)
-    add_line(text, "speed",
-             *f.speed_sigma_mps > 0
-                 ? fmt::format("{:.2f} m/s, predicted sigma {:.2g} m/s", f.speed_mps, *f.speed_sigma_mps)
-                 : fmt::format("{:.2f} m/s, held fixed", f.speed_mps));
-  add_line(text, "datum", f.solution.datum.description);
+    text += named_line("speed", *f.speed_sigma_mps > 0 ? fmt::format("{:.2f} m/s, predicted sigma {:.2g} m/s",
+                                                                     f.speed_mps, *f.speed_sigma_mps)
+                                                       : fmt::format("{:.2f} m/s, held fixed", f.speed_mps));
+  text += named_line("datum", f.solution.datum.description);
   return text;
 }
 
 calib::Forecast forecast(const calib::Problem& problem, const CheckArgs& args, Session& session) {
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
-  calib::SolveOptions options;
-  options.threads = session.threads();
+  calib::SolveOptions options = solve_options(session, reporter);
   options.strict = args.strict;
-  options.on_progress = [&](const calib::Progress& p) {
-    reporter.show(p.stage, p.iteration, p.cost, p.fraction);
-    return !interrupted();
-  };
   calib::Forecast f = calib::forecast(problem, options);
   calib::explain(problem, f.subsampled, f.solution, options);
   return f;
@@ -300,22 +288,6 @@ std::vector<calib::Finding> findings_of(const calib::Forecast& f, Logs& logs) {
   return findings.empty() ? calib::suspicions(f, logs.runs) : findings;
 }
 
-/// Logs that cannot be made a problem of (their unit, no vehicle states) are still worth a look.
-int refuse(const Error& error, const Logs& logs, Session& session) {
-  const auto text = [](const std::string& s) { return s.empty() ? Json(nullptr) : Json(s); };
-  Json object = {{"health", health_json(logs)}, {"verdict", nullptr}, {"beacons", Json::array()}};
-  object["error"] = {{"code", "bad_input"},
-                     {"exit", static_cast<int>(kBadInput)},
-                     {"message", error.message()},
-                     {"file", text(error.file)},
-                     {"line", error.line > 0 ? Json(error.line) : Json(nullptr)},
-                     {"column", nullptr},
-                     {"found", text(error.found)},
-                     {"expected", text(error.expected)},
-                     {"advice", text(error.advice)}};
-  return session.fail({"error", "bad_input", kBadInput, error.message(), ""}, object);
-}
-
 void warn_of(const std::vector<calib::Finding>& findings, Session& session) {
   for (const auto& f : findings) session.warn(f.text);
 }
@@ -326,8 +298,7 @@ int check_recordings(const CheckArgs& args, Session& session) {
   auto site = io::read_site(args.site);
   if (!site) return session.fail(site.error());
   session.warn(site->warnings);
-  auto runs = read_runs(args.runs, names_of(*site), site->timing,
-                        {.constant_speed_mps = constant_speed_mps(site->medium)}, session);
+  auto runs = read_runs(args.runs, *site, {}, session);
   if (!runs) return session.fail(runs.error());
   Logs logs = examine(*site, *runs);
   warn_of(logs.findings, session);
@@ -336,7 +307,9 @@ int check_recordings(const CheckArgs& args, Session& session) {
   if (!problem) {
     for (std::size_t i = 0; i < logs.runs.size(); ++i)
       session.result(health_text(logs.runs[i], logs.has_truth[i]));
-    return refuse(problem.error(), logs, session);
+    // Logs that cannot be made a problem of (their unit, no vehicle states) are still worth a look.
+    return session.fail(problem.error(),
+                        {{"health", health_json(logs)}, {"verdict", nullptr}, {"beacons", Json::array()}});
   }
   const calib::Forecast f = forecast(*problem, args, session);
   if (f.solution.status == calib::SolveStatus::kInterrupted || interrupted()) return session.interrupted();

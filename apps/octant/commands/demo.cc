@@ -65,10 +65,7 @@ Result<Checked> localize_and_verify(const Places& at, Session& session) {
   // From the file, as a robot would.
   const auto deployment = io::read_deployment(at.deployment);
   if (!deployment) return fail(deployment.error());
-  const auto runs = read_runs(
-      {at.heldout}, names_of(*deployment), deployment->timing,
-      {.read_truth = true, .read_poses = false, .constant_speed_mps = constant_speed_mps(deployment->medium)},
-      session);
+  const auto runs = read_runs({at.heldout}, *deployment, {.read_truth = true, .read_poses = false}, session);
   if (!runs) return fail(runs.error());
   const auto located = localize_runs(*deployment, *runs, Method::kAuto);
   if (!located) return fail(located.error());
@@ -102,11 +99,9 @@ std::vector<survey::Gate> gates_of(const Deployment& found, const Deployment& tr
 
 int close(const Places& at, const std::vector<survey::Gate>& gates, Session& session) {
   std::string text = "Against the simulated truth:\n", broken;
-  Json list = Json::array();
   for (const auto& gate : gates) {
     text += fmt::format("  {:<22}{:7.2f} mm   limit {:.0f} mm   {}\n", gate.name, 1e3 * gate.value,
                         1e3 * gate.limit, gate.pass ? "kept" : "NOT KEPT");
-    list.push_back({{"name", gate.name}, {"limit", gate.limit}, {"value", gate.value}, {"pass", gate.pass}});
     if (!gate.pass)
       broken += (broken.empty() ? "" : "; ") + fmt::format("{} is {:.2f} mm", gate.name, 1e3 * gate.value);
   }
@@ -115,7 +110,7 @@ int close(const Places& at, const std::vector<survey::Gate>& gates, Session& ses
                                             at.csv,  at.plan, at.report,  at.deployment};
   for (const auto& path : outputs) text += "  " + path + "\n";
   session.result(text);
-  Json object = {{"gates", list}, {"outputs", outputs}, {"seed", session.options.seed}};
+  Json object = {{"gates", gates_json(gates)}, {"outputs", outputs}, {"seed", session.options.seed}};
   if (!broken.empty()) return session.fail({"gate_failed", "gate_failed", kGateFailed, broken, ""}, object);
   return session.finish(object);
 }

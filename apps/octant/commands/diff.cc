@@ -112,7 +112,7 @@ int run(const DiffArgs& args, Session& session) {
   session.result(changes_text(changes));
   return session.finish({{"since", changes.since},
                          {"derived", is_derived(*now, *before)},
-                         {"changes", changes_json(changes.found)},
+                         {"changes", io::json_of(changes.found)},
                          {"beacons", rows_json(changes)},
                          {"gone", changes.gone},
                          {"added", changes.added},

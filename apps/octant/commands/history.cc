@@ -14,6 +14,7 @@
 #include "apps/octant/steps/reporting.h"
 #include "apps/octant/text/table.h"
 #include "io/deployment/deployment_json.h"
+#include "io/text/text.h"
 #include "models/support/utc_time.h"
 
 namespace octant::app {
@@ -163,17 +164,17 @@ std::string export_csv(const std::vector<io::Visit>& visits) {
       "speed_sigma_mps,"
       "beacon,status,x_m,y_m,z_m,sigma_x_m,sigma_y_m,sigma_z_m,delay_s,delay_sigma_s\n";
   for (const io::Visit& v : visits) {
-    std::string head = fmt::format("{},{},{},{},{},{},{},{},{}", v.id, utc_text(v.happened_s),
-                                   to_string(v.kind), csv_field(v.site), csv_field(v.verdict),
-                                   csv_field(v.who), csv_field(v.note), v.digest, v.deployment_digest);
+    std::string head = fmt::format(
+        "{},{},{},{},{},{},{},{},{}", v.id, utc_text(v.happened_s), to_string(v.kind), io::csv_field(v.site),
+        io::csv_field(v.verdict), io::csv_field(v.who), io::csv_field(v.note), v.digest, v.deployment_digest);
     head +=
         v.temperature_degC ? fmt::format(",{},{}", (*v.temperature_degC)[0], (*v.temperature_degC)[1]) : ",,";
     head += v.speed ? fmt::format(",{},{}", v.speed->speed_mps, v.speed->sigma_mps) : ",,";
     if (v.beacons.empty()) text += head + ",,,,,,,,,,\n";
     for (const io::VisitBeacon& b : v.beacons)
-      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", head, csv_field(b.name), to_string(b.status),
-                          b.position_m.x(), b.position_m.y(), b.position_m.z(), b.sigma_m.x(), b.sigma_m.y(),
-                          b.sigma_m.z(), b.delay_s, b.delay_sigma_s);
+      text += fmt::format("{},{},{},{},{},{},{},{},{},{},{}\n", head, io::csv_field(b.name),
+                          to_string(b.status), b.position_m.x(), b.position_m.y(), b.position_m.z(),
+                          b.sigma_m.x(), b.sigma_m.y(), b.sigma_m.z(), b.delay_s, b.delay_sigma_s);
   }
   return text;
 }

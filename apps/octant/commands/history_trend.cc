@@ -158,8 +158,8 @@ std::string chart_text(const QuantityTrend& q) {
 std::string speed_text(const std::vector<survey::CalibrationRecord>& records) {
   std::vector<const survey::CalibrationRecord*> by_temperature;
   for (const auto& record : records) by_temperature.push_back(&record);
-  std::sort(by_temperature.begin(), by_temperature.end(),
-            [](const auto* a, const auto* b) { return a->temperature_degC < b->temperature_degC; });
+  std::ranges::sort(by_temperature,
+                    [](const auto* a, const auto* b) { return a->temperature_degC < b->temperature_degC; });
   Table table{"rrrrl", {{"air [degC]", "speed [m/s]", "sigma", "off its model", "date"}}};
   for (const auto* r : by_temperature)
     table.rows.push_back({fmt::format("{:.1f}", r->temperature_degC), fmt::format("{:.3f}", r->speed_mps),
@@ -274,9 +274,8 @@ int history_trend(const HistoryArgs& args, Session& session) {
   const survey::SiteTrend trend = survey::site_trend(records, options);
   const auto charts = charts_of(trend, args.beacon);
   const bool known =
-      args.beacon.empty() || std::any_of(visits->begin(), visits->end(), [&](const io::Visit& v) {
-        return std::any_of(v.beacons.begin(), v.beacons.end(),
-                           [&](const auto& b) { return b.name == args.beacon; });
+      args.beacon.empty() || std::ranges::any_of(*visits, [&](const io::Visit& v) {
+        return std::ranges::any_of(v.beacons, [&](const auto& b) { return b.name == args.beacon; });
       });
   if (!known)
     return session.fail(

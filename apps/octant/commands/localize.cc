@@ -55,7 +55,7 @@ void warn_of_no_fix(const Deployment& deployment, const std::vector<MeasurementL
 void warn_of_fixes(const LocalizeArgs& args, const Localization& found, Session& session) {
   const std::vector<Fix>& fixes = found.fixes;
   const auto another = [&](const Fix& fix) { return fix.vehicle != fixes.front().vehicle; };
-  if (args.output != "-" && std::any_of(fixes.begin(), fixes.end(), another))
+  if (args.output != "-" && std::ranges::any_of(fixes, another))
     session.warn("TUM names no vehicle, and there are fixes of several: tell them apart by --csv");
   for (std::size_t i = 1; i < fixes.size(); ++i) {
     if (fixes[i].ok() && fixes[i - 1].ok() && fixes[i].time_s < fixes[i - 1].time_s) {
@@ -98,11 +98,8 @@ int run(const LocalizeArgs& args, Session& session) {
   if (!deployment) return session.fail(deployment.error());
   warn_if_contradicted(*deployment, args.deployment, session);
   warn_if_overdue(*deployment, session);
-  const auto runs = read_runs(args.runs, names_of(*deployment), deployment->timing,
-                              {.read_truth = false,
-                               .read_poses = looks_at_poses(args.how),
-                               .constant_speed_mps = constant_speed_mps(deployment->medium)},
-                              session);
+  const auto runs = read_runs(args.runs, *deployment,
+                              {.read_truth = false, .read_poses = looks_at_poses(args.how)}, session);
   if (!runs) return session.fail(runs.error());
   const auto input = method_input(args.how, *deployment);
   if (!input) return session.fail(input.error());

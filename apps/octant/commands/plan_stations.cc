@@ -14,6 +14,7 @@
 #include "apps/octant/text/table.h"
 #include "calib/plan/stations.h"
 #include "io/text/atomic_file.h"
+#include "io/text/text.h"
 #include "survey/geometry/hearing.h"
 #include "survey/map/floor_grid.h"
 #include "survey/schedule/stop_places.h"
@@ -32,19 +33,12 @@ struct KnownBefore {
 
 /// A calibration of what was recorded so far, and of what it says about hearing.
 Result<KnownBefore> known_from_runs(const PlanArgs& args, const Site& site, Session& session) {
-  auto runs = read_runs(args.runs, names_of(site), site.timing,
-                        {.constant_speed_mps = constant_speed_mps(site.medium)}, session);
+  auto runs = read_runs(args.runs, site, {}, session);
   if (!runs) return fail(runs.error());
   auto problem = calib::make_problem(site, std::move(*runs));
   if (!problem) return fail(problem.error());
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
-  calib::SolveOptions options;
-  options.threads = session.threads();
-  options.on_progress = [&](const calib::Progress& p) {
-    reporter.show(p.stage, p.iteration, p.cost, 0.5 * p.fraction);
-    return !interrupted();
-  };
-  const calib::Solution solution = calib::solve(*problem, options);
+  const calib::Solution solution = calib::solve(*problem, solve_options(session, reporter, 0.5));
   if (solution.status == calib::SolveStatus::kInterrupted)
     return fail({.code = Errc::kInterrupted, .found = "interrupted"});
   if (solution.status != calib::SolveStatus::kConverged)
@@ -176,8 +170,8 @@ std::string plan_csv(const calib::StationPlan& plan, const std::vector<std::stri
     const calib::Station& s = plan.stations[i];
     csv += fmt::format("{},{:.3f},{:.3f},{:.4f},{:.1f},{},{},{},{:.6g},{:.6g}\n", i + 1, s.position_m.x(),
                        s.position_m.y(), s.heading_rad, s.heading_rad * kDegrees, s.arrival_count,
-                       csv_field(heard_words(s, names)), csv_field(names[s.most_improved]), s.after.mean_m,
-                       s.after.worst_m);
+                       io::csv_field(heard_words(s, names)), io::csv_field(names[s.most_improved]),
+                       s.after.mean_m, s.after.worst_m);
   }
   return csv;
 }
@@ -192,7 +186,7 @@ std::string stations_plan_text(const calib::StationPlan& plan, const std::vector
       {"", "", "", "", "", "now", length_text(plan.before.mean_m), length_text(plan.before.worst_m), ""});
   for (std::size_t i = 0; i < plan.stations.size(); ++i) {
     const calib::Station& s = plan.stations[i];
-    const auto heard = std::count_if(s.arrivals.begin(), s.arrivals.end(), [](auto n) { return n > 0; });
+    const auto heard = std::ranges::count_if(s.arrivals, [](auto n) { return n > 0; });
     table.rows.push_back({fmt::format("{}", i + 1), fmt::format("{:.2f}", s.position_m.x()),
                           fmt::format("{:.2f}", s.position_m.y()),
                           fmt::format("{:.0f}", s.heading_rad * kDegrees), fmt::format("{}", s.arrival_count),

@@ -60,9 +60,7 @@ Result<void> verify_with(const std::vector<std::string>& folders, survey::Report
     return fail({.code = Errc::kUsage,
                  .found = "runs beside the report of a calibration that exported nothing",
                  .expected = "a report or a deployment that has beacons"});
-  const auto runs = read_runs(
-      folders, names_of(d), d.timing,
-      {.read_truth = true, .read_poses = false, .constant_speed_mps = constant_speed_mps(d.medium)}, session);
+  const auto runs = read_runs(folders, d, {.read_truth = true, .read_poses = false}, session);
   if (!runs) return fail(runs.error());
   const auto found = localize_runs(d, *runs, Method::kAuto);
   if (!found) return fail(found.error());

@@ -44,8 +44,7 @@ std::vector<std::string> known_formats() {
 
 /// The format that a name means; as it is where it means none.
 std::string format_named(const std::string& name) {
-  const auto file = std::find_if(kFileNames.begin(), kFileNames.end(),
-                                 [&](const auto& known) { return name == known.first; });
+  const auto file = std::ranges::find_if(kFileNames, [&](const auto& known) { return name == known.first; });
   return file == kFileNames.end() ? name : file->second;
 }
 

@@ -99,11 +99,8 @@ int run(const VerifyArgs& args, Session& session) {
   if (!deployment) return session.fail(deployment.error());
   warn_if_contradicted(*deployment, args.deployment, session);
   warn_if_overdue(*deployment, session);
-  const auto runs = read_runs(args.runs, names_of(*deployment), deployment->timing,
-                              {.read_truth = true,
-                               .read_poses = looks_at_poses(args.how),
-                               .constant_speed_mps = constant_speed_mps(deployment->medium)},
-                              session);
+  const auto runs = read_runs(args.runs, *deployment,
+                              {.read_truth = true, .read_poses = looks_at_poses(args.how)}, session);
   if (!runs) return session.fail(runs.error());
   // Before the long computation: is there a reference at all?
   for (const auto& log : *runs) {

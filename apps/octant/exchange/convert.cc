@@ -37,8 +37,7 @@ Result<MeasurementLog> from_counters(const ConvertArgs& args, const NameTable& n
   MeasurementLog log;
   log.arrivals = arrivals_of_counters(*readings, args.spread_s, args.clock_hz);
   log.has_epochs = !log.arrivals.empty() && log.arrivals.front().epoch != kNoEpoch;
-  std::stable_sort(log.arrivals.begin(), log.arrivals.end(),
-                   [](const Arrival& a, const Arrival& b) { return a.time_s < b.time_s; });
+  std::ranges::stable_sort(log.arrivals, {}, &Arrival::time_s);
   return log;
 }
 
@@ -62,8 +61,7 @@ Result<MeasurementLog> from_pulses(const ConvertArgs& args, const NameTable& nam
                                          args.schedule.double_s, cycle_s(options.schedule)),
                  .advice = "check --pulse-s, --double-s and --fire-s, and that the site file lists the "
                            "beacons in the order in which they fire"});
-  std::stable_sort(log.arrivals.begin(), log.arrivals.end(),
-                   [](const Arrival& a, const Arrival& b) { return a.time_s < b.time_s; });
+  std::ranges::stable_sort(log.arrivals, {}, &Arrival::time_s);
   return log;
 }
 

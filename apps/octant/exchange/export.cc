@@ -112,8 +112,7 @@ Result<std::string> to_tum(const io::ExportedContent& content) {
       const auto& track = run.log.truth.empty() ? run.log.poses : run.log.truth;
       poses.insert(poses.end(), track.begin(), track.end());
     }
-  std::stable_sort(poses.begin(), poses.end(),
-                   [](const TimedPose& a, const TimedPose& b) { return a.time_s < b.time_s; });
+  std::ranges::stable_sort(poses, {}, &TimedPose::time_s);
   // TUM has one pose an instant.
   poses.erase(std::unique(poses.begin(), poses.end(),
                           [](const TimedPose& a, const TimedPose& b) { return a.time_s == b.time_s; }),

@@ -300,38 +300,29 @@ class FollowLoop {
 }  // namespace
 
 void add_follow_options(CLI::App& command, FollowArgs& args) {
-  const std::string group = "Live";
-  command
-      .add_flag("--follow", args.follow,
-                "Localize as the data come, until they end: arrivals and odometry as JSON lines (octant "
-                "schema live), "
-                "fixes on standard output; SIGHUP reads the deployment anew")
-      ->group(group);
+  const OptionGroup group(command, "Live");
+  command.add_flag("--follow", args.follow,
+                   "Localize as the data come, until they end: arrivals and odometry as JSON lines (octant "
+                   "schema live), "
+                   "fixes on standard output; SIGHUP reads the deployment anew");
   add_option(command, "--from", args.from, "SOURCE",
              "Where lines come from: - (standard input), /dev/ttyUSB0[:115200], tcp:PORT, udp:PORT (of "
              "this machine)")
-      ->capture_default_str()
-      ->group(group);
+      ->capture_default_str();
   add_option(command, "--format", args.format, "F",
              "Of the fixes: json, nmea (0183) or ros (nav_msgs/Odometry as JSON)")
       ->check(CLI::IsMember({"json", "nmea", "ros"}))
-      ->capture_default_str()
-      ->group(group);
+      ->capture_default_str();
   add_option(command, "--origin", args.origin, "LAT,LON",
-             "nmea: where the map's origin is, LATITUDE,LONGITUDE[,ALTITUDE]")
-      ->group(group);
+             "nmea: where the map's origin is, LATITUDE,LONGITUDE[,ALTITUDE]");
   add_option(command, "--north", args.north_deg, "DEG",
              "nmea: direction of north in the map, degrees from +x towards +y")
-      ->capture_default_str()
-      ->group(group);
+      ->capture_default_str();
   add_option(command, "--odometry", args.odometry, "RUN.yaml",
              "How good the odometry is: a run.yaml, or a recording's folder, with a block odometry "
-             "(octant schema run); left out: as for a recording that says nothing of it")
-      ->group(group);
-  command
-      .add_flag("--watch", args.watch,
-                "Say which beacon or receiver no longer fits, with a stated rate of false alarms")
-      ->group(group);
+             "(octant schema run); left out: as for a recording that says nothing of it");
+  command.add_flag("--watch", args.watch,
+                   "Say which beacon or receiver no longer fits, with a stated rate of false alarms");
 }
 
 int follow(const FollowArgs& args, const std::string& deployment, const std::string& trusted_key,

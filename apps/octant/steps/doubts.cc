@@ -42,9 +42,7 @@ std::vector<std::string> doubts_about(const Deployment& deployment, const Measur
   const Site site = calib::revisited_site(deployment, known, known.covariance.diagonal());
   for (const calib::Finding& finding : calib::check_units(site, rows)) doubts.push_back(finding.text);
   if (!pose_by_pose) return doubts;
-  const auto [first, last] =
-      std::minmax_element(rows.arrivals.begin(), rows.arrivals.end(),
-                          [](const Arrival& a, const Arrival& b) { return a.epoch < b.epoch; });
+  const auto [first, last] = std::ranges::minmax_element(rows.arrivals, {}, &Arrival::epoch);
   if (first->epoch != last->epoch) return doubts;
   const double span_s = rows.arrivals.back().time_s - rows.arrivals.front().time_s;
   if (first->epoch != kNoEpoch) {

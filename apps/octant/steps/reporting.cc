@@ -143,18 +143,9 @@ Json verdict_json(const survey::ReportInput& input) {
   Json gates = Json::array();
   for (const auto& gate : v.gates)
     gates.push_back({{"name", gate.name}, {"value", gate.value}, {"limit", gate.limit}, {"pass", gate.pass}});
-  Json contradictions = Json::array();
-  for (const Contradiction& c : input.plan.deployment.contradictions) {
-    contradictions.push_back({{"kind", to_string(c.kind)},
-                              {"subject", c.subject},
-                              {"stated", c.stated},
-                              {"found", c.found},
-                              {"sigmas", c.sigmas},
-                              {"remedy", c.remedy}});
-  }
   return {{"grade", survey::to_string(v.grade)},
           {"sentence", v.sentence},
-          {"contradictions", contradictions},
+          {"contradictions", io::json_of(input.plan.deployment.contradictions)},
           {"gates", gates},
           {"next", survey::next_steps(input)}};
 }

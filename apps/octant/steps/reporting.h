@@ -27,8 +27,7 @@ struct ReportArgs {
 /// --report, --report-static, --no-report and, where a deployment is judged, --since.
 void add_report_options(CLI::App& command, ReportArgs& args, bool with_since);
 
-/// How many of the outputs go to standard output.
-/// Behind those of `first`.
+/// The outputs of a command: `first`, then its reports.
 [[nodiscard]] std::vector<OutputOption> report_outputs(const ReportArgs& args,
                                                        std::vector<OutputOption> first = {});
 /// Before the long computation: endings that are understood, folders that exist, an earlier deployment that

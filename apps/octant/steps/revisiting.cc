@@ -78,23 +78,20 @@ std::string medium_text(const SecondVisitFiles& visit) {
 }  // namespace
 
 void add_drift_options(CLI::App& command, DriftArgs& args) {
-  const std::string group =
-      "Drift since the earlier calibration (standard deviations; by default by the time that passed)";
+  const OptionGroup group(
+      command,
+      "Drift since the earlier calibration (standard deviations; by default by the time that passed)");
   add_option(command, "--drift-beacon-m", args.beacon_m, "M",
              "Of each coordinate of a beacon; 0.001 and 0.0001 a month")
-      ->check(CLI::PositiveNumber)
-      ->group(group);
+      ->check(CLI::PositiveNumber);
   add_option(command, "--drift-delay-s", args.delay_s, "S", "Of a delay; 3e-6 and 3e-7 a month")
-      ->check(CLI::PositiveNumber)
-      ->group(group);
+      ->check(CLI::PositiveNumber);
   add_option(command, "--drift-receiver-m", args.receiver_m, "M",
              "Of each coordinate of a receiver; 0.0005 and 0.00005 a month")
-      ->check(CLI::PositiveNumber)
-      ->group(group);
+      ->check(CLI::PositiveNumber);
   add_option(command, "--drift-speed-mps", args.speed_mps, "V",
              "Of the speed at the same temperature; 0.3 and 0.03 a month")
-      ->check(CLI::PositiveNumber)
-      ->group(group);
+      ->check(CLI::PositiveNumber);
 }
 
 Drift drift_between(const std::string& before, const std::string& now, const DriftArgs& args) {
@@ -112,8 +109,7 @@ Result<SecondVisitFiles> revisit_files(const std::string& path, const std::vecto
   auto before = io::read_deployment(path);
   if (!before) return fail(before.error());
   warn_if_contradicted(*before, path, session);
-  auto runs = read_runs(run_paths, names_of(*before), before->timing,
-                        {.constant_speed_mps = constant_speed_mps(before->medium)}, session);
+  auto runs = read_runs(run_paths, *before, {}, session);
   if (!runs) return fail(runs.error());
   SecondVisitFiles out;
   out.inputs.push_back({path, before->digest});
@@ -123,11 +119,7 @@ Result<SecondVisitFiles> revisit_files(const std::string& path, const std::vecto
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
   calib::RevisitOptions options;
   options.drift = drift_between(before->created, created_now(), drift);
-  options.solve.threads = session.threads();
-  options.solve.on_progress = [&](const calib::Progress& p) {
-    reporter.show(p.stage, p.iteration, p.cost, p.fraction);
-    return !interrupted();
-  };
+  options.solve = solve_options(session, reporter);
   auto found = calib::revisit(*before, std::move(*runs), options);
   if (!found) return fail(found.error());
   out.revisit = std::move(*found);
@@ -166,7 +158,7 @@ Json revisit_json(const SecondVisitFiles& visit, const Session& session) {
   return {{"converged", r.status == calib::SolveStatus::kConverged},
           {"seconds", session.seconds()},
           {"since", visit.before.created},
-          {"changes", changes_json(r.comparison.changes)},
+          {"changes", io::json_of(r.comparison.changes)},
           {"heard", {{"beacons", beacons}, {"receivers", receivers}, {"silent", r.silent}}},
           {"p", r.comparison.p},
           {"p_left", r.comparison.p_left},

@@ -67,14 +67,9 @@ calib::Provenance provenance(const std::string& site_path, const std::string& si
 template <class Solve>
 auto with_progress(bool strict, Session& session, Solve&& solve) {
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
-  calib::SolveOptions options;
-  options.threads = session.threads();
+  calib::SolveOptions options = solve_options(session, reporter);
   options.ranks = session.job != nullptr ? session.job->ranks() : nullptr;
   options.strict = strict;
-  options.on_progress = [&](const calib::Progress& p) {
-    reporter.show(p.stage, p.iteration, p.cost, p.fraction);
-    return !interrupted();
-  };
   return solve(options);
 }
 
@@ -112,8 +107,7 @@ void warn_of_hints(const std::vector<calib::Finding>& findings, Session& session
 Result<void> read_problem(Site site, const std::vector<std::string>& run_paths,
                           const std::string& site_sha256, Session& session, Calibration& result) {
   const ExitAtOnce nothing_written_yet;
-  auto runs = read_runs(run_paths, names_of(site), site.timing,
-                        {.constant_speed_mps = constant_speed_mps(site.medium)}, session);
+  auto runs = read_runs(run_paths, site, {}, session);
   if (!runs) return fail(runs.error());
   std::vector<const MeasurementLog*> logs;
   for (const MeasurementLog& run : *runs) logs.push_back(&run);
@@ -161,6 +155,16 @@ std::string beacon_table(const Deployment& deployment) {
 }
 
 }  // namespace
+
+calib::SolveOptions solve_options(const Session& session, ProgressReporter& reporter, double share) {
+  calib::SolveOptions options;
+  options.threads = session.threads();
+  options.on_progress = [&reporter, share](const calib::Progress& p) {
+    reporter.show(p.stage, p.iteration, p.cost, share * p.fraction);
+    return !interrupted();
+  };
+  return options;
+}
 
 Json weak_json(const std::vector<calib::WeakDirection>& weak) {
   Json list = Json::array();

@@ -166,7 +166,7 @@ Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std:
     survey::ReferencedRun run{{}, runs[i].truth, runs[i].truth_accuracy};
     // truth.tum follows one vehicle; the others of the run have no reference.
     const std::span<const Fix> fixes = localization.of_run(i);
-    std::copy_if(fixes.begin(), fixes.end(), std::back_inserter(run.fixes), [&](const Fix& fix) {
+    std::ranges::copy_if(fixes, std::back_inserter(run.fixes), [&](const Fix& fix) {
       return !runs[i].vehicle.valid() || !fix.vehicle.valid() || fix.vehicle == runs[i].vehicle;
     });
     referenced.push_back(std::move(run));
@@ -174,11 +174,15 @@ Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std:
   return survey::evaluate(referenced, deployment.motion, deployment.tolerance);
 }
 
+Json gates_json(const std::vector<survey::Gate>& gates) {
+  Json list = Json::array();
+  for (const survey::Gate& gate : gates)
+    list.push_back({{"name", gate.name}, {"limit", gate.limit}, {"value", gate.value}, {"pass", gate.pass}});
+  return list;
+}
+
 Json evaluation_json(const survey::Evaluation& e) {
   const auto figure = [&](double value) { return e.matched > 0 ? Json(value) : Json(nullptr); };
-  Json gates = Json::array();
-  for (const auto& gate : e.gates)
-    gates.push_back({{"name", gate.name}, {"limit", gate.limit}, {"value", gate.value}, {"pass", gate.pass}});
   return {{"fixes", e.fixes},
           {"no_fix", e.no_fix},
           {"matched", e.matched},
@@ -187,7 +191,7 @@ Json evaluation_json(const survey::Evaluation& e) {
           {"heading_rmse_rad", e.heading_rmse_rad},
           {"max_error_m", figure(e.max_error_m)},
           {"nees_mean", e.nees_mean},
-          {"gates", gates}};
+          {"gates", gates_json(e.gates)}};
 }
 
 std::string doubt_of_sigmas(const survey::Evaluation& e, Motion motion) {

@@ -15,24 +15,19 @@ namespace {
 using calib::Reliability;
 using calib::ResidualGroup;
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
-
 Json component_json(const calib::VarianceComponent& c) {
   return {{"kind", c.name},
           {"observations", c.observations},
-          {"redundancy", number(c.redundancy)},
-          {"factor", number(c.factor)},
-          {"chi2_p", number(c.chi2_p)}};
+          {"redundancy", c.redundancy},
+          {"factor", c.factor},
+          {"chi2_p", c.chi2_p}};
 }
 
 Json ellipse_json(const calib::ErrorEllipse& e) {
-  Json axes = Json::array();
-  for (const double a : e.semi_axes_m) axes.push_back(number(a));
-  return {{"semi_major_m", number(e.semi_major_m)},
-          {"semi_minor_m", number(e.semi_minor_m)},
-          {"azimuth_rad", number(e.azimuth_rad)},
-          {"semi_axes_3d_m", axes}};
+  return {{"semi_major_m", e.semi_major_m},
+          {"semi_minor_m", e.semi_minor_m},
+          {"azimuth_rad", e.azimuth_rad},
+          {"semi_axes_3d_m", e.semi_axes_m}};
 }
 
 Json beacon_json(const calib::BeaconReliability& b) {
@@ -40,28 +35,28 @@ Json beacon_json(const calib::BeaconReliability& b) {
           {"used", b.used},
           {"rejected", {{"late", b.late}, {"early", b.early}, {"other", b.other}}},
           {"uncontrolled", b.uncontrolled},
-          {"mean_redundancy_number", number(b.mean_redundancy)},
-          {"mean_s", number(b.mean_s)},
-          {"rms_s", number(b.rms_s)},
-          {"variance_component", number(b.component.factor)},
-          {"chi2_p", number(b.component.chi2_p)},
-          {"mdb_s", {{"median", number(b.mdb_median_s)}, {"worst", number(b.mdb_worst_s)}}},
-          {"influence_m", {{"median", number(b.influence_median_m)}, {"worst", number(b.influence_worst_m)}}},
-          {"lateness_mdb_s", number(b.lateness_mdb_s)},
-          {"lateness_influence_m", number(b.lateness_influence_m)},
-          {"ellipse_95", b.ellipse ? ellipse_json(*b.ellipse) : Json(nullptr)}};
+          {"mean_redundancy_number", b.mean_redundancy},
+          {"mean_s", b.mean_s},
+          {"rms_s", b.rms_s},
+          {"variance_component", b.component.factor},
+          {"chi2_p", b.component.chi2_p},
+          {"mdb_s", {{"median", b.mdb_median_s}, {"worst", b.mdb_worst_s}}},
+          {"influence_m", {{"median", b.influence_median_m}, {"worst", b.influence_worst_m}}},
+          {"lateness_mdb_s", b.lateness_mdb_s},
+          {"lateness_influence_m", b.lateness_influence_m},
+          {"ellipse_95", b.ellipse ? ellipse_json(*b.ellipse) : nullptr}};
 }
 
 Json groups_json(const std::vector<ResidualGroup>& groups, const char* from, const char* to) {
   Json list = Json::array();
   for (const auto& g : groups) {
     if (g.count == 0) continue;
-    Json one = from == nullptr ? Json{{"id", g.name}} : Json{{from, number(g.from)}, {to, number(g.to)}};
+    Json one = from == nullptr ? Json{{"id", g.name}} : Json{{from, g.from}, {to, g.to}};
     one.update({{"count", g.count},
-                {"mean_s", number(g.mean_s)},
-                {"rms_s", number(g.rms_s)},
-                {"mean_m", number(g.mean_m)},
-                {"rms_m", number(g.rms_m)}});
+                {"mean_s", g.mean_s},
+                {"rms_s", g.rms_s},
+                {"mean_m", g.mean_m},
+                {"rms_m", g.rms_m}});
     list.push_back(std::move(one));
   }
   return list;
@@ -163,8 +158,7 @@ std::string residual_table(const Reliability& r) {
                 fmt::format("mean [{}]", length.name), fmt::format("RMS [{}]", length.name)}}};
   add_groups(table, r.by_distance, "m", time, length);
   add_groups(table, r.by_temperature, "degC", time, length);
-  if (std::count_if(r.by_receiver.begin(), r.by_receiver.end(), [](const auto& g) { return g.count > 0; }) >
-      1)
+  if (std::ranges::count_if(r.by_receiver, [](const auto& g) { return g.count > 0; }) > 1)
     add_groups(table, r.by_receiver, nullptr, time, length);
   return table.text();
 }
@@ -184,17 +178,17 @@ Json reliability_json(const Calibration& calibration) {
                      {"line", at.line},
                      {"beacon", at.beacon},
                      {"receiver", at.receiver},
-                     {"w", number(a.w)},
-                     {"residual_s", number(a.residual_s)},
-                     {"redundancy_number", number(a.redundancy)},
-                     {"mdb_s", number(a.mdb_s)}});
+                     {"w", a.w},
+                     {"residual_s", a.residual_s},
+                     {"redundancy_number", a.redundancy},
+                     {"mdb_s", a.mdb_s}});
   }
   return {{"critical_w", calib::kCriticalW},
           {"beyond_critical", r.beyond_critical},
           {"expected_beyond_critical", 0.001 * static_cast<double>(r.arrivals.size())},
           {"every", r.stride},
-          {"mean_redundancy_number", number(r.mean_redundancy)},
-          {"redundancy", number(r.redundancy_sum)},
+          {"mean_redundancy_number", r.mean_redundancy},
+          {"redundancy", r.redundancy_sum},
           {"worst", worst},
           {"beacons", beacons},
           {"variance_components", kinds},

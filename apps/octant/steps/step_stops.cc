@@ -111,7 +111,7 @@ void keep_few(std::vector<survey::StopNote>& stops) {
   std::vector<std::pair<std::size_t, double>> worth;
   for (const survey::StopNote& stop : stops) worth.emplace_back(stop.left_out(), stop.rms_s);
   std::vector<std::pair<std::size_t, double>> order = worth;
-  std::nth_element(order.begin(), order.begin() + kMostStops, order.end(), std::greater<>());
+  std::ranges::nth_element(order, order.begin() + kMostStops, std::greater<>());
   std::vector<survey::StopNote> few;
   for (std::size_t i = 0; i < stops.size() && few.size() < kMostStops; ++i)
     if (worth[i] >= order[kMostStops]) few.push_back(std::move(stops[i]));
@@ -138,12 +138,11 @@ void add_stops(const Calibration& calibration, survey::ReportInput& input) {
     if (!t.nodes.empty()) StopsOf(t, calibration.problem, residuals).add_to(input);
   keep_few(input.stops);
   if (input.misses.size() > kMostMisses) {
-    std::stable_sort(input.misses.begin(), input.misses.end(),
-                     [](const auto& a, const auto& b) { return a.count() > b.count(); });
+    std::ranges::stable_sort(input.misses,
+                             [](const auto& a, const auto& b) { return a.count() > b.count(); });
     input.misses.resize(kMostMisses);
     const auto place = [](const survey::PlanMiss& m) { return std::pair(m.at_m.x(), m.at_m.y()); };
-    std::stable_sort(input.misses.begin(), input.misses.end(),
-                     [&](const auto& a, const auto& b) { return place(a) < place(b); });
+    std::ranges::stable_sort(input.misses, [&](const auto& a, const auto& b) { return place(a) < place(b); });
   }
   add_stop_chart(input);
 }

@@ -81,8 +81,7 @@ std::vector<survey::MovedNote> moved_from_site(const Calibration& calibration) {
     note.distance_m = std::sqrt(square);
     if (square > 0) moved.push_back(std::move(note));
   }
-  std::stable_sort(moved.begin(), moved.end(),
-                   [](const auto& a, const auto& b) { return a.distance_m > b.distance_m; });
+  std::ranges::stable_sort(moved, [](const auto& a, const auto& b) { return a.distance_m > b.distance_m; });
   return moved;
 }
 

@@ -26,6 +26,8 @@
 // The steps of the road, shared by the commands that walk a part of it and by the demo that walks all of it.
 namespace octant::app {
 
+class ProgressReporter;
+
 /// Fails early where an output could not be written anyway: its folder is missing, or it is a folder.
 [[nodiscard]] Result<void> check_output(const std::string& path);
 
@@ -41,6 +43,14 @@ void warn_of_repeated_runs(const std::vector<std::string>& folders, Session& ses
 [[nodiscard]] Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders,
                                                             const NameTable& names, const Timing& timing,
                                                             io::ReadRunOptions options, Session& session);
+/// @param of  site or deployment that tells names, timing and medium
+template <class SiteOrDeployment>
+[[nodiscard]] Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders,
+                                                            const SiteOrDeployment& of,
+                                                            io::ReadRunOptions options, Session& session) {
+  options.constant_speed_mps = constant_speed_mps(of.medium);
+  return read_runs(folders, names_of(of), of.timing, options, session);
+}
 
 /// Writes a simulated world as a folder that is complete or not there: site.yaml, run/, heldout/,
 /// deployment.true.json and the scenario's text. An older world of the same place is replaced; a folder that
@@ -69,6 +79,10 @@ struct CalibrateOptions {
 [[nodiscard]] Result<Calibration> calibrate_files(const std::string& site,
                                                   const std::vector<std::string>& runs,
                                                   const CalibrateOptions& options, Session& session);
+/// Options of an adjustment on the session's threads that shows how far it is and ends with an interruption.
+/// @param reporter  must outlive them  @param share  of what it shows, that the adjustment is
+[[nodiscard]] calib::SolveOptions solve_options(const Session& session, ProgressReporter& reporter,
+                                                double share = 1.0);
 /// The list of weak directions, as `calibrate` and `check` have it.
 [[nodiscard]] Json weak_json(const std::vector<calib::WeakDirection>& weak);
 /// The object of `octant calibrate`.
@@ -147,6 +161,7 @@ struct MethodArgs {
 [[nodiscard]] Result<survey::Evaluation> verify_fixes(const Deployment& deployment,
                                                       const std::vector<MeasurementLog>& runs,
                                                       const Localization& localization);
+[[nodiscard]] Json gates_json(const std::vector<survey::Gate>& gates);
 [[nodiscard]] Json evaluation_json(const survey::Evaluation& evaluation);
 [[nodiscard]] std::string evaluation_text(const survey::Evaluation& evaluation,
                                           const Localization& localization);

@@ -36,18 +36,6 @@ std::string found_lines(const std::vector<Change>& found) {
   return text;
 }
 
-Json changes_json(const std::vector<Change>& changes) {
-  Json list = Json::array();
-  for (const Change& c : changes)
-    list.push_back({{"kind", to_string(c.kind)},
-                    {"subject", c.subject},
-                    {"size", c.size},
-                    {"sigma", c.sigma},
-                    {"unit", unit_of(c.kind)},
-                    {"p", c.p}});
-  return list;
-}
-
 std::string in_words(const Change& c) {
   switch (c.kind) {
     case ChangeKind::kBeaconMoved:
@@ -129,7 +117,7 @@ std::string changes_text(const survey::Changes& changes) {
 
 bool add_changes_json(const survey::ReportInput& input, Json& object) {
   if (!input.changes) return false;
-  object["changes"] = changes_json(input.changes->found);
+  object["changes"] = io::json_of(input.changes->found);
   return true;
 }
 

@@ -13,7 +13,6 @@ namespace octant::app {
 
 /// The list `changes`, {kind, subject, size, sigma, unit, p} each: what is held to be changed, not all that
 /// was compared. p is that of chance after multiple testing.
-[[nodiscard]] Json changes_json(const std::vector<Change>& changes);
 /// "A7 stands 46.5 mm (sigma 6.8 mm) from where it was: x +44.0, y +15.0, z -2.0 mm".
 [[nodiscard]] std::string in_words(const Change& change);
 /// What to do about it.

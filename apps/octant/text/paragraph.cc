@@ -10,8 +10,8 @@ namespace octant::app {
 
 std::size_t columns_of(std::string_view text) {
   // Bytes that begin a character of UTF-8.
-  return static_cast<std::size_t>(std::count_if(
-      text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+  return static_cast<std::size_t>(
+      std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
 
 std::string paragraph(std::string_view text, std::size_t columns, std::size_t indent, std::size_t used) {

@@ -18,7 +18,6 @@ Json schedule_json(const survey::FloorSchedule& s, const survey::SurveyModel& mo
     for (const std::size_t b : s.plan.groups[g]) names.push_back(model.beacons[b].name);
     groups.push_back({{"fires_at_s", static_cast<double>(g) * s.plan.slot_s}, {"beacons", names}});
   }
-  const auto time = [](double t) { return std::isfinite(t) ? Json(t) : Json(nullptr); };
   return {{"slot_s", s.plan.slot_s},
           {"cycle_s", s.plan.cycle_s()},
           {"one_by_one_s", s.plan.one_by_one_s()},
@@ -26,10 +25,10 @@ Json schedule_json(const survey::FloorSchedule& s, const survey::SurveyModel& mo
           {"groups", groups},
           {"reach_m", s.reach_m},
           {"silence",
-           {{"single_echo_s", time(s.silent.single_echo_s)},
-            {"all_echoes_s", time(s.silent.all_echoes_s)},
-            {"kleeman_s", time(s.silent.kleeman_s)},
-            {"t60_s", time(s.silent.t60_s)}}},
+           {{"single_echo_s", s.silent.single_echo_s},
+            {"all_echoes_s", s.silent.all_echoes_s},
+            {"kleeman_s", s.silent.kleeman_s},
+            {"t60_s", s.silent.t60_s}}},
           {"hall",
            {{"volume_m3", s.reverberance.volume_m3},
             {"surface_m2", s.reverberance.surface_m2},

@@ -139,9 +139,7 @@ Json survey_json(const Survey& survey, const std::optional<survey::FloorSchedule
       {"k_covered_fraction", survey.k_covered_fraction},
       {"mirror_fraction", survey.mirror_fraction}};
   object["tolerance_m"] = survey.model.tolerance.fix_m;
-  object["reach_m"] = std::isfinite(survey::reach_m(survey.model.hearing))
-                          ? Json(survey::reach_m(survey.model.hearing))
-                          : Json(nullptr);
+  object["reach_m"] = survey::reach_m(survey.model.hearing);  // null where nothing bounds it
   object["absorption_np_per_m"] = survey.model.hearing.absorption_np_per_m;
   object["temperature_error_degC"] = survey.temperature_error_degC;
   for (const FloorMap& map : survey.maps)
@@ -198,9 +196,8 @@ std::string survey_summary(const Survey& survey, const std::optional<survey::Flo
   if (survey.temperature_error_degC)
     line("what-if", fmt::format("{:+g} degC not accounted for: {:+.0f} ppm", *survey.temperature_error_degC,
                                 1e6 * survey.speed_error));
-  const auto worst =
-      std::min_element(survey.routes.begin(), survey.routes.end(),
-                       [](const auto& a, const auto& b) { return a.covered_fraction < b.covered_fraction; });
+  const auto worst = std::ranges::min_element(
+      survey.routes, [](const auto& a, const auto& b) { return a.covered_fraction < b.covered_fraction; });
   if (worst != survey.routes.end())
     line("route", fmt::format("{}: {} of it covered{}", worst->name, percent_text(worst->covered_fraction),
                               survey.routes.size() > 1 ? ", the least of all" : ""));

@@ -22,6 +22,5 @@ using survey::time_text;
 using survey::time_unit;
 using survey::Unit;
 /// A field of a CSV row, in quotes where it needs them (RFC 4180).
-[[nodiscard]] std::string csv_field(const std::string& text);
 
 }  // namespace octant::app

@@ -29,13 +29,5 @@ TEST(Table, RowsMayBeShortOrTooLong) {
   EXPECT_EQ(Table{}.text(), "");
 }
 
-TEST(CsvField, IsInQuotesWhereItNeedsThem) {
-  EXPECT_EQ(csv_field("plain text"), "plain text");
-  EXPECT_EQ(csv_field("a,b"), "\"a,b\"");
-  EXPECT_EQ(csv_field("a\"b"), "\"a\"\"b\"");
-  EXPECT_EQ(csv_field("a\nb"), "\"a\nb\"");
-  EXPECT_EQ(csv_field(""), "");
-}
-
 }  // namespace
 }  // namespace octant::app
