@@ -26,7 +26,7 @@ const char* class_of(Tone tone) {
 
 /// Ids come from us and from names of quantities, so that a blank is all that could be wrong with them.
 std::string id_of(std::string id) {
-  std::replace(id.begin(), id.end(), ' ', '-');
+  std::ranges::replace(id, ' ', '-');
   return escape_xml(id);
 }
 
@@ -43,7 +43,7 @@ std::string running(const std::string& text) {
            std::string_view(" ,;.)(").find(safe[end]) == std::string_view::npos)
       ++end;
     const std::string_view word = std::string_view(safe).substr(i + 1, end - i - 1);
-    if (after_number && std::find(std::begin(kUnits), std::end(kUnits), word) != std::end(kUnits))
+    if (after_number && std::ranges::find(kUnits, word) != std::end(kUnits))
       out += "&#160;";
     else
       out += safe[i];
@@ -182,8 +182,8 @@ std::string page_head(const std::string& title, const std::string& more_style, b
 }
 
 std::string to_html(const ReportDocument& document, std::string_view plotly) {
-  const bool explained = std::any_of(document.sections.begin(), document.sections.end(),
-                                     [](const ReportSection& section) { return section.id == "words"; });
+  const bool explained = std::ranges::any_of(
+      document.sections, [](const ReportSection& section) { return section.id == "words"; });
   HtmlWriter writer(!plotly.empty(), explained);
   std::string& html = writer.html;
   html = page_head(document.title + " – " + document.subtitle, "", !plotly.empty());

@@ -24,10 +24,10 @@ namespace {
 constexpr std::size_t kDrawnBins = 44, kLiveBins = 44;
 
 ReportTable figures(const Survey& s) {
-  ReportTable table{"figures-table",
-                    "Figures over the floor",
-                    {{"figure", true}, {"least"}, {"median"}, {"95 %"}, {"largest"}, {"cells without a fix"}},
-                    {}};
+  ReportTable table{
+      "figures-table",
+      "Figures over the floor",
+      {{"figure", true}, {"least"}, {"median"}, {"95 %"}, {"largest"}, {"cells without a fix"}}};
   for (const FloorMap& map : s.maps) {
     if (map.name == "mirror" || map.name == "loss_one_beacon") continue;
     const Spread& v = map.spread;
@@ -45,8 +45,7 @@ ReportTable failures(const Survey& s) {
   ReportTable table{
       "failures-table",
       "If beacons fail, worst first",
-      {{"gone", true}, {"hears it"}, {"falls out of tolerance"}, {"loses its fix"}, {"worst left"}},
-      {}};
+      {{"gone", true}, {"hears it"}, {"falls out of tolerance"}, {"loses its fix"}, {"worst left"}}};
   const auto poses = static_cast<double>(s.poses());
   const auto row = [&](const std::string& name, const std::string& heard, const Loss& loss) {
     table.rows.push_back({{name},
@@ -65,10 +64,8 @@ ReportTable failures(const Survey& s) {
 }
 
 ReportTable routes(const Survey& s) {
-  ReportTable table{"routes-table",
-                    "Along the routes",
-                    {{"route", true}, {"poses"}, {"covered"}, {"median"}, {"worst"}},
-                    {}};
+  ReportTable table{
+      "routes-table", "Along the routes", {{"route", true}, {"poses"}, {"covered"}, {"median"}, {"worst"}}};
   for (const RouteSurvey& route : s.routes) {
     const Spread& v = route.maps.front().spread;
     table.rows.push_back({{route.name},
@@ -82,8 +79,7 @@ ReportTable routes(const Survey& s) {
 
 ReportSection firing(const Survey& s, const FloorSchedule& schedule) {
   const FiringPlan& plan = schedule.plan;
-  ReportTable table{
-      "schedule-table", "Who fires when", {{"slot", true}, {"fires at"}, {"beacons", true}}, {}};
+  ReportTable table{"schedule-table", "Who fires when", {{"slot", true}, {"fires at"}, {"beacons", true}}};
   for (std::size_t g = 0; g < plan.groups.size(); ++g) {
     std::string names;
     for (const std::size_t b : plan.groups[g]) names += (names.empty() ? "" : ", ") + s.model.beacons[b].name;
@@ -118,8 +114,7 @@ NamedMap live_map(const Survey& s, const FloorMap& map) {
 }
 
 ReportFigure maps(const Survey& s) {
-  ReportFigure figure{
-      "figure-maps", "The chosen map; each bin holds the worst of its cells.", {}, {}, "Map", {}};
+  ReportFigure figure{"figure-maps", "The chosen map; each bin holds the worst of its cells.", {}, {}, "Map"};
   PlanInput live;
   live.deployment.validity_area_m = s.model.floor_m;
   for (const SurveyBeacon& b : s.model.beacons) {

@@ -24,7 +24,7 @@ constexpr const char* kToFillIn = ". . . . . . . . . . . . . . . .";
 std::string or_line(const std::string& text) { return text.empty() ? kToFillIn : text; }
 
 ReportTable two_columns(const char* id, const char* caption) {
-  return {id, caption, {{"what", true}, {"value", true}}, {}};
+  return {id, caption, {{"what", true}, {"value", true}}};
 }
 
 void add_row(ReportTable& table, const char* what, std::string value) {
@@ -117,8 +117,7 @@ ReportSection results(const Deployment& d) {
                      {"U [mm]"},
                      {fmt::format("delay [{}]", time.symbol)},
                      {fmt::format("U [{}]", time.symbol)},
-                     {"status", true}},
-                    {}};
+                     {"status", true}}};
   for (const DeploymentBeacon& b : d.beacons) {
     std::vector<ReportText> row = {{b.name}};
     if (b.status == BeaconStatus::kUndetermined) {
@@ -151,15 +150,14 @@ ReportSection results(const Deployment& d) {
 /// The state before the recalibration, where there was one.
 std::optional<ReportSection> as_found(const Deployment& d) {
   if (!d.previous) return {};
-  ReportSection section{"as-found", "As found", {}};
+  ReportSection section{"as-found", "As found"};
   section.blocks.emplace_back(ReportText{
       fmt::format("Against the calibration of {} (SHA-256 {}). What is not listed was found as it was left "
                   "then, within chance and the drift that was allowed for.",
                   d.previous->created, d.previous->sha256)});
   ReportTable table{"as-found-table",
                     "Found to have changed, as found less as left before",
-                    {{"what", true}, {"kind", true}, {"size"}, {"U"}, {"p"}},
-                    {}};
+                    {{"what", true}, {"kind", true}, {"size"}, {"U"}, {"p"}}};
   for (const Change& c : d.previous->changes) {
     const bool time = c.kind == ChangeKind::kDelay;
     const bool length = std::string_view(unit_of(c.kind)) == "m";
@@ -198,7 +196,7 @@ Conformity conformity_of(const Deployment& d, double tolerance_m) {
 }
 
 ReportSection conformity(const Deployment& d) {
-  ReportSection section{"conformity", "Statement of conformity", {}};
+  ReportSection section{"conformity", "Statement of conformity"};
   if (!d.tolerance.beacon_m) {
     section.blocks.emplace_back(ReportText{"The site file states no tolerance: none is made."});
     return section;

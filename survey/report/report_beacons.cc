@@ -50,8 +50,7 @@ std::vector<std::size_t> rows_of(const Deployment& d) {
   const auto badness = [&](std::size_t i) {
     return d.beacons[i].status == BeaconStatus::kUndetermined ? INFINITY : d.beacons[i].covariance_m2.trace();
   };
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return badness(a) > badness(b); });
+  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return badness(a) > badness(b); });
   order.resize(kMaxRows);
   return order;
 }
@@ -87,8 +86,7 @@ ReportTable moved_table(const ReportInput& input) {
       "moved",
       "Moved from the site file: found less stated, farthest first. Up to twice what was stated is as "
       "expected; far beyond it is a slip of the tape, or an exchanged label.",
-      {{"beacon", true}, {"dx" + in}, {"dy" + in}, {"dz" + in}, {"known to" + in}, {"stated within" + in}},
-      {}};
+      {{"beacon", true}, {"dx" + in}, {"dy" + in}, {"dz" + in}, {"known to" + in}, {"stated within" + in}}};
   for (std::size_t i = 0; i < std::min(kMaxRows, input.moved.size()); ++i) {
     const MovedNote& m = input.moved[i];
     const bool far = m.stated_sigma_m && m.distance_m > kFarMoved * *m.stated_sigma_m;
@@ -117,8 +115,7 @@ ReportTable reliability_table(const ReportInput& input, const std::vector<std::s
                      {fmt::format("that moves it [{}]", units.shift.symbol)},
                      {"95 % ellipse a [mm]"},
                      {"b [mm]"},
-                     {"azimuth [deg]"}},
-                    {}};
+                     {"azimuth [deg]"}}};
   for (const std::size_t i : rows) {
     const auto& b = input.plan.deployment.beacons[i];
     const auto at = notes.find(b.name);
@@ -150,17 +147,16 @@ ReportTable reliability_table(const ReportInput& input, const std::vector<std::s
 std::optional<ReportSection> beacons_section(const ReportInput& input) {
   const Deployment& d = input.plan.deployment;
   if (d.beacons.empty()) return {};
-  ReportSection section{"beacons", "Beacons", {}};
-  if (input.beacons.empty() && std::all_of(d.beacons.begin(), d.beacons.end(), [](const auto& b) {
-        return b.status == BeaconStatus::kUndetermined;
-      })) {
+  ReportSection section{"beacons", "Beacons"};
+  if (input.beacons.empty() &&
+      std::ranges::all_of(d.beacons, [](const auto& b) { return b.status == BeaconStatus::kUndetermined; })) {
     section.blocks.emplace_back(ReportText{
         fmt::format("Of none of the {} beacons is the place known.", d.beacons.size()), Tone::kBad});
     return section;
   }
   const ColumnUnits units = units_of(input);
-  const bool delays = std::any_of(d.beacons.begin(), d.beacons.end(),
-                                  [](const auto& b) { return b.delay_s != 0.0 || b.delay_sigma_s > 0.0; });
+  const bool delays =
+      std::ranges::any_of(d.beacons, [](const auto& b) { return b.delay_s != 0.0 || b.delay_sigma_s > 0.0; });
   std::map<std::string, const BeaconNote*> notes;
   for (const auto& note : input.beacons) notes[note.name] = &note;
   const std::string u = units.length.symbol;
@@ -176,8 +172,7 @@ std::optional<ReportSection> beacons_section(const ReportInput& input) {
        {"z [m]"},
        {"U x [" + u + "]"},
        {"U y [" + u + "]"},
-       {"U z [" + u + "]"}},
-      {}};
+       {"U z [" + u + "]"}}};
   if (delays)
     table.columns.insert(table.columns.end(),
                          {{"delay [" + units.time.symbol + "]"}, {"U delay [" + units.time.symbol + "]"}});

@@ -34,8 +34,7 @@ ReportTable table_of(const Changes& changes) {
       fmt::format("New less old, with the sigma of the difference; moved, delay changed: what is held to be "
                   "changed by all comparisons together, each as rare by chance as once in {:.0f}",
                   1 / changes.limit_p),
-      {{"beacon", true}},
-      {}};
+      {{"beacon", true}}};
   for (const char* axis : {"x", "y", "z"}) {
     table.columns.push_back({fmt::format("{} [{}]", axis, length.symbol)});
     table.columns.push_back({fmt::format("sigma {} [{}]", axis, length.symbol)});
@@ -46,8 +45,7 @@ ReportTable table_of(const Changes& changes) {
                                              {"p"},
                                              {"verdict", true}});
   std::vector<BeaconChange> rows = changes.beacons;
-  std::stable_sort(rows.begin(), rows.end(),
-                   [](const auto& a, const auto& b) { return least_p(a) < least_p(b); });
+  std::ranges::stable_sort(rows, [](const auto& a, const auto& b) { return least_p(a) < least_p(b); });
   for (const auto& c : rows) {
     if (table.rows.size() >= kMaxRows) break;
     std::vector<ReportText> row = {{c.name}};
@@ -80,9 +78,7 @@ std::string doubt_sentence(const Changes& changes) {
 }  // namespace
 
 std::string changes_sentence(const Changes& changes) {
-  const auto count = [&changes](auto&& which) {
-    return std::count_if(changes.beacons.begin(), changes.beacons.end(), which);
-  };
+  const auto count = [&changes](auto&& which) { return std::ranges::count_if(changes.beacons, which); };
   const auto moved = count([](const BeaconChange& c) { return c.moved(); });
   const auto delays = count([](const BeaconChange& c) { return c.delay_significant; });
   return fmt::format("Since {}: {} of {} beacons moved by more than chance explains{}.", changes.since, moved,
@@ -93,7 +89,7 @@ std::string changes_sentence(const Changes& changes) {
 std::optional<ReportSection> changes_section(const ReportInput& input) {
   if (!input.changes) return {};
   const Changes& changes = *input.changes;
-  ReportSection section{"changes", "Changes since an earlier deployment", {}};
+  ReportSection section{"changes", "Changes since an earlier deployment"};
   section.blocks.emplace_back(ReportText{changes_sentence(changes)});
   if (!changes.doubted_control_points.empty())
     section.blocks.emplace_back(ReportText{doubt_sentence(changes), Tone::kAttention});

@@ -32,7 +32,7 @@ struct ReportTable {
   std::string id;
   std::string caption;
   std::vector<ReportColumn> columns;
-  std::vector<std::vector<ReportText>> rows;
+  std::vector<std::vector<ReportText>> rows{};
   bool folded = false;  ///< figures of a drawing: shown on demand
 };
 
@@ -40,12 +40,12 @@ struct ReportTable {
 struct ReportFigure {
   std::string id;
   std::string caption;
-  std::string svg;          ///< trusted: made by this room
-  std::string interactive;  ///< JSON object {data, layout}; empty: none
+  std::string svg;            ///< trusted: made by this room
+  std::string interactive{};  ///< JSON object {data, layout}; empty: none
   /// Layers of the SVG (elements of class "layer layer-0", "layer layer-1", ...), of which the reader chooses
   /// one. In the interactive figure a trace with the key "layer" belongs to one.
-  std::string legend;
-  std::vector<std::string> layers;
+  std::string legend{};
+  std::vector<std::string> layers{};
 };
 
 using ReportBlock = std::variant<ReportText, ReportList, ReportTable, ReportFigure>;
@@ -53,7 +53,7 @@ using ReportBlock = std::variant<ReportText, ReportList, ReportTable, ReportFigu
 struct ReportSection {
   std::string id;
   std::string title;
-  std::vector<ReportBlock> blocks;
+  std::vector<ReportBlock> blocks{};
 };
 
 /// A report as content alone; report_html.h and report_markdown.h write it down.

@@ -40,9 +40,8 @@ NamedMap map_of(const FloorGrid& grid, std::string name, std::string unit, const
 
 std::vector<double> finite_of(const std::vector<double>& values) {
   std::vector<double> finite;
-  std::copy_if(values.begin(), values.end(), std::back_inserter(finite),
-               [](double v) { return std::isfinite(v); });
-  std::sort(finite.begin(), finite.end());
+  std::ranges::copy_if(values, std::back_inserter(finite), [](double v) { return std::isfinite(v); });
+  std::ranges::sort(finite);
   return finite;
 }
 
@@ -94,7 +93,7 @@ void add_losses(const SurveyModel& model, int threads, ReportInput& input) {
     input.losses.push_back(loss_of(model.beacons[b].name, *grid, sigma_m, input.loss_name, unit));
     before = add(before, own[b]);
   }
-  std::stable_sort(input.losses.begin(), input.losses.end(), [](const BeaconLoss& a, const BeaconLoss& b) {
+  std::ranges::stable_sort(input.losses, [](const BeaconLoss& a, const BeaconLoss& b) {
     if (a.covered_fraction != b.covered_fraction) return a.covered_fraction < b.covered_fraction;
     return a.p95.value_or(0.0) > b.p95.value_or(0.0);
   });

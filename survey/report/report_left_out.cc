@@ -19,8 +19,8 @@ ReportTable left_out_table(const ReportInput& input) {
   std::vector<const StopNote*> order;
   for (const StopNote& stop : input.stops)
     if (stop.left_out() > 0) order.push_back(&stop);
-  std::stable_sort(order.begin(), order.end(),
-                   [](const StopNote* a, const StopNote* b) { return a->left_out() > b->left_out(); });
+  std::ranges::stable_sort(
+      order, [](const StopNote* a, const StopNote* b) { return a->left_out() > b->left_out(); });
   order.resize(std::min(order.size(), kMaxRows));
   for (const StopNote* stop : order)
     table.rows.push_back({{stop->name},
@@ -37,7 +37,7 @@ ReportTable left_out_table(const ReportInput& input) {
 
 std::optional<ReportSection> left_out_section(const ReportInput& input) {
   if (input.misses.empty()) return {};
-  ReportSection section{"left-out", "Where arrivals were left out", {}};
+  ReportSection section{"left-out", "Where arrivals were left out"};
   const CalibrationStatistics& s = input.plan.deployment.statistics;
   std::string what = fmt::format("{} of {} arrivals were left out", s.rejected, s.arrivals + s.rejected);
   for (const LeftOutNote& note : input.left_out)
@@ -53,8 +53,7 @@ std::optional<ReportSection> left_out_section(const ReportInput& input) {
   // Of very many beacons those alone to which a line leads.
   if (drawn.deployment.beacons.size() > kMostNamed)
     std::erase_if(drawn.deployment.beacons, [&](const DeploymentBeacon& b) {
-      return std::none_of(input.misses.begin(), input.misses.end(),
-                          [&](const PlanMiss& miss) { return miss.beacon == b.name; });
+      return std::ranges::none_of(input.misses, [&](const PlanMiss& miss) { return miss.beacon == b.name; });
     });
   drawn.misses = input.misses;
   section.blocks.emplace_back(ReportFigure{
@@ -62,10 +61,7 @@ std::optional<ReportSection> left_out_section(const ReportInput& input) {
       "The site from above: a line from the vehicle to each beacon of which arrivals were left out there; "
       "solid: late (echo), dashed: early (spurious), dotted: for another reason. A disc's area says how "
       "many.",
-      site_plan_svg(drawn),
-      {},
-      {},
-      {}});
+      site_plan_svg(drawn)});
   if (ReportTable table = left_out_table(input); !table.rows.empty())
     section.blocks.emplace_back(std::move(table));
   return section;
@@ -73,8 +69,8 @@ std::optional<ReportSection> left_out_section(const ReportInput& input) {
 
 std::optional<ReportSection> words_section(const ReportInput& input) {
   if (input.words.empty()) return {};
-  ReportSection section{"words", "What the words mean", {}};
-  ReportTable table{"words-table", "Words of this report", {{"word", true}, {"what it means", true}}, {}};
+  ReportSection section{"words", "What the words mean"};
+  ReportTable table{"words-table", "Words of this report", {{"word", true}, {"what it means", true}}};
   for (const auto& [word, meaning] : input.words) table.rows.push_back({{word}, {meaning}});
   section.blocks.emplace_back(std::move(table));
   return section;

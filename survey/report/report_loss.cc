@@ -15,14 +15,13 @@ constexpr std::size_t kMostMaps = 12;
 
 std::optional<ReportSection> loss_section(const ReportInput& input) {
   if (input.losses.empty()) return {};
-  ReportSection section{"loss", "When a beacon falls silent", {}};
+  ReportSection section{"loss", "When a beacon falls silent"};
   const std::string figure = input.loss_name + (input.loss_unit.empty() ? "" : " [" + input.loss_unit + "]");
   ReportTable table{
       "loss-table",
       "The site without one of its beacons, worst first: how much of the area still has a fix, and " +
           input.loss_name + " there.",
-      {{"without", true}, {"covered [%]"}, {figure + ", median"}, {"95 %"}},
-      {}};
+      {{"without", true}, {"covered [%]"}, {figure + ", median"}, {"95 %"}}};
   PlanInput plan;
   plan.deployment = input.plan.deployment;
   ReportFigure drawing{
@@ -30,8 +29,7 @@ std::optional<ReportSection> loss_section(const ReportInput& input) {
       fmt::format("{} over the site when the chosen beacon (crossed out) is silent.", input.loss_name),
       {},
       {},
-      "Silent beacon",
-      {}};
+      "Silent beacon"};
   const auto add = [&](const BeaconLoss& loss, const std::string& name) {
     if (table.rows.size() < kMaxRows)
       table.rows.push_back({{name},

@@ -30,10 +30,9 @@ void add_weak(const ReportInput& input, std::vector<std::string>& steps) {
     std::vector<std::pair<std::string, std::vector<std::string>>> by_remedy;
     for (const auto& weak : input.weak) {
       if (weak.blocking != blocking || weak.remedy.empty()) continue;
-      auto at = std::find_if(by_remedy.begin(), by_remedy.end(),
-                             [&](const auto& of) { return of.first == weak.remedy; });
+      auto at = std::ranges::find_if(by_remedy, [&](const auto& of) { return of.first == weak.remedy; });
       if (at == by_remedy.end()) at = by_remedy.insert(at, {weak.remedy, {}});
-      if (std::find(at->second.begin(), at->second.end(), weak.description) == at->second.end())
+      if (std::ranges::find(at->second, weak.description) == at->second.end())
         at->second.push_back(weak.description);
     }
     for (const auto& [remedy, settles] : by_remedy)
@@ -51,11 +50,10 @@ void add_beacons(const ReportInput& input, std::vector<std::string>& steps) {
       beyond.push_back(beacon.name);
   }
   for (const auto& note : input.beacons) {
-    const bool counts = std::find(lost.begin(), lost.end(), note.name) == lost.end();
+    const bool counts = std::ranges::find(lost, note.name) == lost.end();
     if (counts && note.used > 0 && note.redundancy < kLittleRedundancy) bare.push_back(note.name);
   }
-  const bool told = std::any_of(input.weak.begin(), input.weak.end(),
-                                [](const WeakNote& weak) { return weak.lone_beacon; });
+  const bool told = std::ranges::any_of(input.weak, [](const WeakNote& weak) { return weak.lone_beacon; });
   if (!lost.empty() && !told && input.outcome == Outcome::kCalibrated)
     steps.push_back(
         fmt::format("Hear {} from more places, well apart: not determined, localizers leave {} out.",
@@ -147,8 +145,7 @@ std::vector<std::string> next_steps(const ReportInput& input) {
   std::vector<std::string> steps;
   for (const Contradiction& c : input.plan.deployment.contradictions) {
     const std::string step = as_sentence(c.remedy);
-    if (!c.remedy.empty() && std::find(steps.begin(), steps.end(), step) == steps.end())
-      steps.push_back(step);
+    if (!c.remedy.empty() && std::ranges::find(steps, step) == steps.end()) steps.push_back(step);
   }
   if (!steps.empty()) {
     steps.emplace_back(
@@ -176,8 +173,8 @@ std::vector<std::string> next_steps(const ReportInput& input) {
       steps.push_back(fmt::format("Look at {} on site: nothing was heard of {} at this visit.",
                                   names(input.changes->silent),
                                   input.changes->silent.size() == 1 ? "it" : "them"));
-    const bool all_later = std::any_of(input.changes->found.begin(), input.changes->found.end(),
-                                       [](const Change& c) { return c.subject == kAllBeaconsSubject; });
+    const bool all_later = std::ranges::any_of(
+        input.changes->found, [](const Change& c) { return c.subject == kAllBeaconsSubject; });
     if (all_later)
       steps.emplace_back(
           "Look at the vehicle's electronics and the synchronisation: all delays differ by the same from "
@@ -199,7 +196,7 @@ std::vector<std::string> next_steps(const ReportInput& input) {
 }
 
 std::optional<ReportSection> next_section(const ReportInput& input) {
-  ReportSection section{"next", "What to do next", {}};
+  ReportSection section{"next", "What to do next"};
   section.blocks.emplace_back(ReportList{next_steps(input), true});
   return section;
 }

@@ -12,10 +12,9 @@ namespace octant::survey {
 namespace {
 
 bool anything_placed(const PlanInput& plan) {
-  return std::any_of(plan.deployment.beacons.begin(), plan.deployment.beacons.end(),
-                     [](const auto& b) { return b.status != BeaconStatus::kUndetermined; }) ||
-         std::any_of(plan.tracks.begin(), plan.tracks.end(),
-                     [](const auto& t) { return !t.points_m.empty(); });
+  return std::ranges::any_of(plan.deployment.beacons,
+                             [](const auto& b) { return b.status != BeaconStatus::kUndetermined; }) ||
+         std::ranges::any_of(plan.tracks, [](const auto& t) { return !t.points_m.empty(); });
 }
 
 /// Of the beacons that are held to have moved.
@@ -45,7 +44,7 @@ std::vector<NamedLine> move_lines(const PlanInput& plan) {
 
 std::optional<ReportSection> plan_section(const ReportInput& input) {
   if (!anything_placed(input.plan)) return {};
-  ReportSection section{"plan", "Plan of the site", {}};
+  ReportSection section{"plan", "Plan of the site"};
   PlanInput drawn = input.plan;
   drawn.moves = moves_of(input);
   PlanLines lines;
@@ -55,10 +54,7 @@ std::optional<ReportSection> plan_section(const ReportInput& input) {
                                 "(triangles), 95 % error ellipses (2.45 sigma, drawn {:g} times as large as "
                                 "they are), the calibrated area (dashed) and where the vehicle was.",
                                 ellipse_exaggeration(drawn.deployment, plan_frame(drawn).extent_m())),
-                    site_plan_svg(drawn),
-                    plan_figure_json(drawn, lines),
-                    {},
-                    {}};
+                    site_plan_svg(drawn), plan_figure_json(drawn, lines)};
   if (!input.plan.maps.empty()) {
     plan.legend = "Map";
     for (const auto& map : input.plan.maps)
@@ -68,10 +64,7 @@ std::optional<ReportSection> plan_section(const ReportInput& input) {
   section.blocks.emplace_back(ReportFigure{"figure-space",
                                            "The site from the side; in space with 95 % error ellipsoids "
                                            "(2.80 sigma) where the page may run its script.",
-                                           elevation_svg(input.plan),
-                                           space_figure_json(input.plan),
-                                           {},
-                                           {}});
+                                           elevation_svg(input.plan), space_figure_json(input.plan)});
   std::size_t states = 0, shown = 0;
   for (const auto& track : input.plan.tracks) {
     states += std::max(track.thinned_from, track.points_m.size());

@@ -6,7 +6,7 @@ namespace octant::survey {
 
 std::optional<ReportSection> warnings_section(const ReportInput& input) {
   if (input.warnings.empty()) return {};
-  ReportSection section{"warnings", "Warnings", {}};
+  ReportSection section{"warnings", "Warnings"};
   ReportList list{input.warnings, false};
   if (list.items.size() > kMaxRows) {
     list.items.resize(kMaxRows);
@@ -19,8 +19,8 @@ std::optional<ReportSection> warnings_section(const ReportInput& input) {
 
 std::optional<ReportSection> provenance_section(const ReportInput& input) {
   const Deployment& d = input.plan.deployment;
-  ReportSection section{"provenance", "Where this comes from", {}};
-  ReportTable table{"provenance-table", "Enough to run it again", {{"what", true}, {"value", true}}, {}};
+  ReportSection section{"provenance", "Where this comes from"};
+  ReportTable table{"provenance-table", "Enough to run it again", {{"what", true}, {"value", true}}};
   const auto row = [&](std::string what, std::string value) {
     if (!value.empty()) table.rows.push_back({{std::move(what)}, {std::move(value)}});
   };
@@ -30,8 +30,7 @@ std::optional<ReportSection> provenance_section(const ReportInput& input) {
   if (input.command != d.program_command) row("report by", input.command);
   for (const auto& option : input.options) row("option", option);
   section.blocks.emplace_back(std::move(table));
-  ReportTable inputs{
-      "inputs", "Files that were read, by their SHA-256", {{"file", true}, {"sha256", true}}, {}};
+  ReportTable inputs{"inputs", "Files that were read, by their SHA-256", {{"file", true}, {"sha256", true}}};
   for (const auto& file : d.inputs)
     if (inputs.rows.size() < kMaxRows) inputs.rows.push_back({{file.path}, {file.sha256}});
   if (!inputs.rows.empty()) section.blocks.emplace_back(std::move(inputs));

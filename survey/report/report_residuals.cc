@@ -25,8 +25,7 @@ std::string stops_that_stick_out(const ReportInput& input) {
     if (stop.looked_at >= kEnoughOfAStop && all_s > 0 && stop.rms_s > kSticksOut * all_s)
       out.push_back(&stop);
   if (out.empty()) return "";
-  std::stable_sort(out.begin(), out.end(),
-                   [](const StopNote* a, const StopNote* b) { return a->rms_s > b->rms_s; });
+  std::ranges::stable_sort(out, [](const StopNote* a, const StopNote* b) { return a->rms_s > b->rms_s; });
   std::string text = "Residuals stick out at";
   for (std::size_t i = 0; i < std::min(out.size(), kMostStops); ++i)
     text += fmt::format("{} {} ({:.1f} times the RMS of all)", i == 0 ? "" : ",",
@@ -39,8 +38,7 @@ std::string stops_that_stick_out(const ReportInput& input) {
 ResidualChart worst_of(const ResidualChart& chart) {
   ResidualChart worst = chart;
   if (worst.bins.size() <= kMaxRows) return worst;
-  std::stable_sort(worst.bins.begin(), worst.bins.end(),
-                   [](const auto& a, const auto& b) { return a.rms_s > b.rms_s; });
+  std::ranges::stable_sort(worst.bins, [](const auto& a, const auto& b) { return a.rms_s > b.rms_s; });
   worst.bins.resize(kMaxRows);
   return worst;
 }
@@ -71,7 +69,7 @@ ReportTable residual_table_of(const ResidualChart& chart) {
 
 std::optional<ReportSection> residuals_section(const ReportInput& input) {
   if (input.residuals.empty()) return {};
-  ReportSection section{"residuals", "Residuals", {}};
+  ReportSection section{"residuals", "Residuals"};
   const std::size_t used = input.plan.deployment.statistics.arrivals;
   std::string what =
       "Observed less adjusted times of flight; positive: late. Each mark is a bin of many arrivals; a trend "
@@ -92,10 +90,7 @@ std::optional<ReportSection> residuals_section(const ReportInput& input) {
             : fmt::format("the {} of {} bins whose RMS is largest", chart.bins.size(), whole.bins.size());
     section.blocks.emplace_back(ReportFigure{"figure-residuals-" + chart.by,
                                              fmt::format("Residuals by {}: {}.", chart.by, bins),
-                                             residual_chart_svg(chart),
-                                             residual_chart_json(chart),
-                                             {},
-                                             {}});
+                                             residual_chart_svg(chart), residual_chart_json(chart)});
     section.blocks.emplace_back(residual_table_of(chart));
   }
   if (input.standardised && !input.standardised->counts.empty())
@@ -104,10 +99,7 @@ std::optional<ReportSection> residuals_section(const ReportInput& input) {
         fmt::format(
             "Standardised residuals in {} bins (Baarda's w): beyond 3.29 one in a thousand is expected.",
             input.standardised->counts.size()),
-        histogram_svg(*input.standardised),
-        histogram_json(*input.standardised),
-        {},
-        {}});
+        histogram_svg(*input.standardised), histogram_json(*input.standardised)});
   return section;
 }
 

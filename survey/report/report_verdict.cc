@@ -137,7 +137,7 @@ Verdict verdict(const ReportInput& input) {
   Verdict v;
   v.gates = gates_of(input, n);
   v.sentence = sentence_of(input, n);
-  const bool kept = std::all_of(v.gates.begin(), v.gates.end(), [](const ReportGate& g) { return g.pass; });
+  const bool kept = std::ranges::all_of(v.gates, [](const ReportGate& g) { return g.pass; });
   const bool judged =
       input.plan.deployment.tolerance.beacon_m || (input.evaluation && !input.evaluation->gates.empty());
   v.grade = is_contradicted(input)                  ? Grade::kContradicted
@@ -157,8 +157,8 @@ Verdict verdict(const ReportInput& input) {
 
 std::optional<ReportSection> verdict_section(const ReportInput& input) {
   const Verdict v = verdict(input);
-  ReportSection section{"verdict", "What the verdict rests on", {}};
-  ReportTable table{"gates", "What must hold", {{"gate", true}, {"found"}, {"limit"}, {"verdict", true}}, {}};
+  ReportSection section{"verdict", "What the verdict rests on"};
+  ReportTable table{"gates", "What must hold", {{"gate", true}, {"found"}, {"limit"}, {"verdict", true}}};
   for (const auto& gate : v.gates)
     table.rows.push_back({{gate.name},
                           {gate.value},
@@ -168,8 +168,7 @@ std::optional<ReportSection> verdict_section(const ReportInput& input) {
   if (const auto& contradictions = input.plan.deployment.contradictions; !contradictions.empty()) {
     ReportTable found{"contradictions",
                       "What the data speak against",
-                      {{"what", true}, {"stated", true}, {"found", true}, {"sigmas"}, {"what to do", true}},
-                      {}};
+                      {{"what", true}, {"stated", true}, {"found", true}, {"sigmas"}, {"what to do", true}}};
     for (const Contradiction& c : contradictions)
       found.rows.push_back({{c.subject, Tone::kBad},
                             {c.stated},

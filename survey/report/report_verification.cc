@@ -12,11 +12,10 @@ namespace octant::survey {
 std::optional<ReportSection> verification_section(const ReportInput& input) {
   if (!input.evaluation) return {};
   const Evaluation& e = *input.evaluation;
-  ReportSection section{"verification", "Verification with held-out runs", {}};
+  ReportSection section{"verification", "Verification with held-out runs"};
   ReportTable table{"verification-table",
                     "Fixes of runs that took no part in the calibration, against their reference",
-                    {{"what", true}, {"value", true}},
-                    {}};
+                    {{"what", true}, {"value", true}}};
   const auto row = [&](const char* what, std::string value) {
     table.rows.push_back({{what}, {std::move(value)}});
   };
@@ -34,13 +33,9 @@ std::optional<ReportSection> verification_section(const ReportInput& input) {
   section.blocks.emplace_back(std::move(table));
   if (e.error_quantiles_m.size() > 1) {
     const auto& limit = input.plan.deployment.tolerance.fix_m;
-    section.blocks.emplace_back(
-        ReportFigure{"figure-errors",
-                     "Share of the fixes that are closer to the reference than so much.",
-                     error_curve_svg(e.error_quantiles_m, limit),
-                     error_curve_json(e.error_quantiles_m, limit),
-                     {},
-                     {}});
+    section.blocks.emplace_back(ReportFigure{
+        "figure-errors", "Share of the fixes that are closer to the reference than so much.",
+        error_curve_svg(e.error_quantiles_m, limit), error_curve_json(e.error_quantiles_m, limit)});
   }
   return section;
 }

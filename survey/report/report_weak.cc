@@ -13,7 +13,7 @@ namespace {
 ReportTable adjustment_table(const ReportInput& input) {
   const Deployment& d = input.plan.deployment;
   const CalibrationStatistics& s = d.statistics;
-  ReportTable table{"adjustment", "The adjustment as a whole", {{"what", true}, {"value", true}}, {}};
+  ReportTable table{"adjustment", "The adjustment as a whole", {{"what", true}, {"value", true}}};
   const auto row = [&](std::string what, std::string value) {
     table.rows.push_back({{std::move(what)}, {std::move(value)}});
   };
@@ -38,7 +38,7 @@ ReportTable adjustment_table(const ReportInput& input) {
 }  // namespace
 
 std::optional<ReportSection> weak_section(const ReportInput& input) {
-  ReportSection section{"determined", "What the data determine", {}};
+  ReportSection section{"determined", "What the data determine"};
   if (input.weak.empty()) {
     section.blocks.emplace_back(ReportText{"No combination of parameters is weak beside the tolerance."});
   } else {
