@@ -102,7 +102,7 @@ class Calibrator {
     if (options_.ranks == nullptr) return;
     std::vector<double> numbers(static_cast<std::size_t>(x.size()) + 1, 0.0);
     if (options_.ranks->index() == 0) {
-      std::copy(x.begin(), x.end(), numbers.begin());
+      std::ranges::copy(x, numbers.begin());
       numbers.back() = sigma;
     }
     options_.ranks->sum(numbers);

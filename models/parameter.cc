@@ -76,7 +76,7 @@ std::optional<std::uint32_t> run_number(std::string_view owner) {
 }  // namespace
 
 int index_of(std::span<const ParameterId> parameters, const ParameterId& id) {
-  const auto at = std::find(parameters.begin(), parameters.end(), id);
+  const auto at = std::ranges::find(parameters, id);
   return at == parameters.end() ? -1 : static_cast<int>(at - parameters.begin());
 }
 

@@ -14,7 +14,7 @@ namespace {
 double table_gain(const BeamPattern& pattern, double angle_rad) {
   const auto& angles = pattern.angle_rad;
   if (angles.empty() || angle_rad > angles.back()) return 0.0;
-  const auto next = std::upper_bound(angles.begin(), angles.end(), angle_rad);
+  const auto next = std::ranges::upper_bound(angles, angle_rad);
   if (next == angles.begin()) return pattern.gain.front();
   if (next == angles.end()) return pattern.gain.back();
   const auto k = static_cast<std::size_t>(next - angles.begin());

@@ -62,13 +62,13 @@ Result<Arrival> arrival_of(const NameTable& names, std::string_view beacon, doub
 }
 
 BeaconId NameTable::find_beacon(std::string_view name) const {
-  const auto at = std::find(beacons.begin(), beacons.end(), name);
+  const auto at = std::ranges::find(beacons, name);
   return at == beacons.end() ? BeaconId() : BeaconId(static_cast<std::size_t>(at - beacons.begin()));
 }
 
 VehicleId NameTable::find_vehicle(std::string_view name) const {
   if (name.empty() && vehicles.size() == 1) return VehicleId(0);
-  const auto at = std::find(vehicles.begin(), vehicles.end(), name.empty() ? "robot" : name);
+  const auto at = std::ranges::find(vehicles, name.empty() ? "robot" : name);
   return at == vehicles.end() ? VehicleId() : VehicleId(static_cast<std::size_t>(at - vehicles.begin()));
 }
 
@@ -123,8 +123,7 @@ const char* to_string(Rejection rejection) {
 
 Integrity integrity(const Fix& fix) {
   if (!fix.ok()) return Integrity::kNoFix;
-  const bool at_fault = std::find(fix.rejections.begin(), fix.rejections.end(), Rejection::kBeaconFault) !=
-                        fix.rejections.end();
+  const bool at_fault = std::ranges::find(fix.rejections, Rejection::kBeaconFault) != fix.rejections.end();
   return at_fault || !(fix.protection_level_m > 0.0) ? Integrity::kDegraded : Integrity::kOk;
 }
 

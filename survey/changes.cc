@@ -33,8 +33,7 @@ std::optional<double> chance_of(const Eigen::Vector3d& shift_m, const Eigen::Mat
 }
 
 const DeploymentBeacon* find(const Deployment& d, const std::string& name) {
-  const auto at =
-      std::find_if(d.beacons.begin(), d.beacons.end(), [&](const auto& b) { return b.name == name; });
+  const auto at = std::ranges::find(d.beacons, name, &DeploymentBeacon::name);
   return at == d.beacons.end() ? nullptr : &*at;
 }
 
@@ -69,7 +68,7 @@ std::optional<double> chance_of_delay(const Deployment& before, const Deployment
 
 /// Whether a beacon is one of those that a change of that kind names.
 bool names_beacon(const Changes& changes, ChangeKind kind, const std::string& name) {
-  return std::any_of(changes.found.begin(), changes.found.end(), [&](const Change& c) {
+  return std::ranges::any_of(changes.found, [&](const Change& c) {
     if (c.kind != kind) return false;
     return kind == ChangeKind::kExchanged
                ? c.subject.starts_with(name + ", ") || c.subject.ends_with(", " + name)

@@ -23,8 +23,7 @@ bool at_rest(const Pose& a, const Pose& b) {
 }
 
 std::optional<Pose> reference_at(const std::vector<TimedPose>& truth, double time_s, double max_gap_s) {
-  const auto after = std::lower_bound(truth.begin(), truth.end(), time_s - kSameInstant_s,
-                                      [](const TimedPose& pose, double t) { return pose.time_s < t; });
+  const auto after = std::ranges::lower_bound(truth, time_s - kSameInstant_s, {}, &TimedPose::time_s);
   if (after == truth.end()) return std::nullopt;
   if (std::abs(after->time_s - time_s) <= kSameInstant_s) return after->T_map_vehicle;
   if (after == truth.begin()) return std::nullopt;
@@ -128,7 +127,7 @@ void add_run(const ReferencedRun& run, Motion motion, Evaluation& result, ErrorS
 }  // namespace
 
 bool Evaluation::pass() const {
-  return std::all_of(gates.begin(), gates.end(), [](const Gate& gate) { return gate.pass; });
+  return std::ranges::all_of(gates, [](const Gate& gate) { return gate.pass; });
 }
 
 Evaluation evaluate(const std::vector<Fix>& fixes, const std::vector<TimedPose>& truth,
@@ -148,7 +147,7 @@ Evaluation evaluate(const std::vector<ReferencedRun>& runs, Motion motion, const
   double squares_m2 = 0.0;
   for (double error_m : sums.position_m) squares_m2 += error_m * error_m;
   result.position_rmse_m = std::sqrt(squares_m2 / static_cast<double>(result.matched));
-  std::sort(sums.position_m.begin(), sums.position_m.end());
+  std::ranges::sort(sums.position_m);
   const std::size_t quantiles = std::min(kErrorQuantiles, result.matched);
   for (std::size_t i = 0; i < quantiles; ++i)
     result.error_quantiles_m.push_back(quantile(
@@ -169,8 +168,7 @@ std::vector<BeaconError> beacon_errors(const Deployment& deployment, const Deplo
   std::vector<BeaconError> errors;
   for (const DeploymentBeacon& beacon : deployment.beacons) {
     if (beacon.status != BeaconStatus::kCalibrated) continue;
-    const auto same = std::find_if(reference.beacons.begin(), reference.beacons.end(),
-                                   [&](const DeploymentBeacon& other) { return other.name == beacon.name; });
+    const auto same = std::ranges::find(reference.beacons, beacon.name, &DeploymentBeacon::name);
     if (same != reference.beacons.end())
       errors.push_back({beacon.name, (beacon.position_m - same->position_m).norm()});
   }

@@ -111,7 +111,7 @@ std::vector<int> blocks_of(const PriorRow& row, const ParameterLayout& layout) {
   std::vector<int> blocks;
   for (std::size_t k = 0; k < layout.blocks.size(); ++k) {
     const ParameterBlock& block = layout.blocks[k];
-    if (std::any_of(row.entries.begin(), row.entries.end(), [&](const auto& entry) {
+    if (std::ranges::any_of(row.entries, [&](const auto& entry) {
           return entry.first >= block.first && entry.first < block.first + block.size;
         }))
       blocks.push_back(static_cast<int>(k));

@@ -88,9 +88,9 @@ bool EvaluationPoint::nothing_left_to_gain() const {
 bool EvaluationPoint::rays_are_the_same() const {
   constexpr double kBeaconM = 1e-3, kReceiverM = 5e-5;
   const auto moved = [&](const std::vector<std::array<int, 3>>& columns, double by_m) {
-    return std::any_of(columns.begin(), columns.end(), [&](const std::array<int, 3>& place) {
-      return std::any_of(place.begin(), place.end(),
-                         [&](int c) { return c >= 0 && std::abs((*x)[c] - reduced_at[c]) > by_m; });
+    return std::ranges::any_of(columns, [&](const std::array<int, 3>& place) {
+      return std::ranges::any_of(place,
+                                 [&](int c) { return c >= 0 && std::abs((*x)[c] - reduced_at[c]) > by_m; });
     });
   };
   return !moved(layout->beacon, kBeaconM) && !moved(layout->receiver, kReceiverM);

@@ -35,7 +35,7 @@ double agreeing_sigma(const std::vector<Trajectory>& trajectories, const SharedS
 
 double agreeing_sigma(std::vector<double> magnitude) {
   if (magnitude.size() < 30) return 1.0;
-  std::sort(magnitude.begin(), magnitude.end());
+  std::ranges::sort(magnitude);
   double sigma = 1.4826 * magnitude[magnitude.size() / 2];
   for (int round = 0; round < 50; ++round) {
     double sum = 0.0;

@@ -50,7 +50,7 @@ void TileSum::for_each_of_mine(Work&& work) {
 }
 
 double TileSum::solve_states(const SharedState& state, const RobustLoss& loss) {
-  std::fill(costs_.begin(), costs_.end(), 0.0);
+  std::ranges::fill(costs_, 0.0);
   for_each_of_mine([&](Tile& tile, std::size_t i, std::size_t, int threads) {
     costs_[i] = tile.solve_states(state, loss, threads);
   });

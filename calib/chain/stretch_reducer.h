@@ -125,7 +125,7 @@ class StretchReducer {
     for (std::size_t i = bearing_; i < segment_.last_bearing && t_.bearings[i].node < end; ++i)
       if (t_.bearings[i].rejection == Rejection::kUsed && t_.bearings[i].reflector.valid())
         for (const int c : chain_.layout().beacon[t_.bearings[i].reflector.index()]) see(c);
-    std::sort(columns.begin(), columns.end());
+    std::ranges::sort(columns);
     for (std::size_t i = 0; i < columns.size(); ++i)
       l.of_system[static_cast<std::size_t>(columns[i])] = static_cast<int>(i);
     for (const std::size_t p : l.met) find_entries(chain_.paths()[p], l.paths[p]);

@@ -195,7 +195,7 @@ class StretchWindow {
     std::fill(D(1), D(slots_ + 1), 0.0);
     std::fill(U(0), U(slots_), 0.0);
     std::fill(G(1), G(slots_ + 1), 0.0);
-    std::fill(memory_.is_plain.begin(), memory_.is_plain.end(), 1);
+    std::ranges::fill(memory_.is_plain, 1);
     used_ = 0;
   }
 

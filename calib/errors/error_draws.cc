@@ -76,8 +76,8 @@ bool CellSums::joins(const Partition& finer, Partition& coarser) const {
 void CellSums::arrange() {
   order_.resize(partitions_.size());
   std::iota(order_.begin(), order_.end(), 0);
-  std::stable_sort(order_.begin(), order_.end(),
-                   [&](std::size_t a, std::size_t b) { return partitions_[a].count > partitions_[b].count; });
+  std::ranges::stable_sort(
+      order_, [&](std::size_t a, std::size_t b) { return partitions_[a].count > partitions_[b].count; });
   for (std::size_t k = 1; k < order_.size(); ++k) {
     Partition& coarser = partitions_[order_[k]];
     for (std::size_t j = k; j-- > 0 && coarser.finer < 0;)  // the coarsest that it joins

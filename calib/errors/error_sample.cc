@@ -204,7 +204,7 @@ class CellBuilder {
   }
 
   void build(std::vector<ErrorCells>& out) {
-    if (std::none_of(in_.begin(), in_.end(), [](bool in) { return in; })) return;
+    if (std::ranges::none_of(in_, [](bool in) { return in; })) return;
     const bool pairs = !bearings_ && several_receivers();
     add(out, ErrorGroup::kPair, ErrorAxis::kConstant, 0.0);
     if (pairs) add(out, ErrorGroup::kBeacon, ErrorAxis::kConstant, 0.0);
@@ -305,7 +305,7 @@ class CellBuilder {
     const auto pair = [&](std::size_t i) {
       return std::tuple(rows_[i].run, rows_[i].beacon, rows_[i].receiver);
     };
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
       return std::tuple_cat(pair(a), std::tuple(rows_[a].time_s)) <
              std::tuple_cat(pair(b), std::tuple(rows_[b].time_s));
     });

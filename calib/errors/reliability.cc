@@ -59,7 +59,7 @@ std::optional<double> median_of(const std::vector<double>& values) {
   return values.empty() ? std::nullopt : std::optional(median(values));
 }
 std::optional<double> largest_of(const std::vector<double>& values) {
-  return values.empty() ? std::nullopt : std::optional(*std::max_element(values.begin(), values.end()));
+  return values.empty() ? std::nullopt : std::optional(*std::ranges::max_element(values));
 }
 
 class Collector {
@@ -256,10 +256,10 @@ class Collector {
     std::vector<std::size_t> order(out_.arrivals.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     const std::size_t few = std::min(kWorst, order.size());
-    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(few), order.end(),
-                      [this](std::size_t a, std::size_t b) {
-                        return std::abs(out_.arrivals[a].w) > std::abs(out_.arrivals[b].w);
-                      });
+    std::ranges::partial_sort(order, order.begin() + static_cast<std::ptrdiff_t>(few),
+                              [this](std::size_t a, std::size_t b) {
+                                return std::abs(out_.arrivals[a].w) > std::abs(out_.arrivals[b].w);
+                              });
     order.resize(few);
     out_.worst = std::move(order);
     for (const ArrivalReliability& a : out_.arrivals) out_.beyond_critical += std::abs(a.w) > kCriticalW;

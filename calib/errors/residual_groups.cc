@@ -43,8 +43,7 @@ std::vector<ResidualGroup> groups_by_name(const std::vector<GroupedResidual>& re
 std::vector<ResidualGroup> groups_by_quantity(std::vector<GroupedResidual> residuals, std::size_t bins) {
   std::vector<ResidualGroup> groups;
   if (residuals.empty()) return groups;
-  std::stable_sort(residuals.begin(), residuals.end(),
-                   [](const GroupedResidual& a, const GroupedResidual& b) { return a.key < b.key; });
+  std::ranges::stable_sort(residuals, {}, &GroupedResidual::key);
   bins = std::clamp<std::size_t>(residuals.size() / kFewest, 1, bins);
   for (std::size_t first = 0, bin = 1; first < residuals.size(); ++bin) {
     const std::size_t rest = residuals.size() - first, bins_left = bins - std::min(bin, bins) + 1;

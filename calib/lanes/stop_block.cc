@@ -80,9 +80,9 @@ StopBlock::StopBlock(Trajectory* trajectory, const std::vector<std::size_t>& seg
       speed_mps_(arrivals.speed_mps()),
       own_speeds_(arrivals.own_speeds()) {
   const auto& vehicles = layout->vehicle_of_receiver;
-  const auto mine = std::find(vehicles.begin(), vehicles.end(), trajectory->vehicle);
+  const auto mine = std::ranges::find(vehicles, trajectory->vehicle);
   first_receiver_ = static_cast<std::size_t>(mine - vehicles.begin());
-  receivers_ = static_cast<std::size_t>(std::count(vehicles.begin(), vehicles.end(), trajectory->vehicle));
+  receivers_ = static_cast<std::size_t>(std::ranges::count(vehicles, trajectory->vehicle));
   // Epochs that hear the same lie far apart in a long log, so memory is asked for what they need some time
   // before it is needed.
   constexpr std::size_t kAhead = 24;
@@ -141,14 +141,14 @@ void StopBlock::group(const StopArrivals& arrivals) {
       of = groups_.size() - 1;
     }
   }
-  for (PackGroup& g : groups_) std::sort(g.beacons.begin(), g.beacons.end());
+  for (PackGroup& g : groups_) std::ranges::sort(g.beacons);
 }
 
 void StopBlock::pack(const StopArrivals& arrivals) {
   const Trajectory& t = *trajectory_;
   Lanes nothing, usual;
-  std::fill(std::begin(nothing.of), std::end(nothing.of), NAN);
-  std::fill(std::begin(usual.of), std::end(usual.of), t.nominal_speed_mps);
+  std::ranges::fill(nothing.of, NAN);
+  std::ranges::fill(usual.of, t.nominal_speed_mps);
   std::vector<std::size_t> local(layout_->beacon.size(), 0);
   std::vector<Tally> count;  // of the present group's paths
   std::uint32_t stamp = 0;

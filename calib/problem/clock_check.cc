@@ -48,9 +48,9 @@ class Travelled {
   [[nodiscard]] double most_m(double from_s, double to_s) const {
     const double fastest = kFastestVehicleMps * (to_s - from_s);
     if (time_.size() < 2 || from_s < time_.front() || to_s > time_.back()) return fastest;
-    const auto first = std::upper_bound(time_.begin(), time_.end(), from_s) - time_.begin() - 1;
-    const auto last = std::min<std::ptrdiff_t>(
-        std::lower_bound(time_.begin(), time_.end(), to_s) - time_.begin(), std::ssize(time_) - 1);
+    const auto first = std::ranges::upper_bound(time_, from_s) - time_.begin() - 1;
+    const auto last = std::min<std::ptrdiff_t>(std::ranges::lower_bound(time_, to_s) - time_.begin(),
+                                               std::ssize(time_) - 1);
     return std::min(
         fastest, 1.1 * (way_[static_cast<std::size_t>(last)] - way_[static_cast<std::size_t>(first)]) + 0.02);
   }
@@ -149,8 +149,7 @@ std::vector<ClockOffset> offsets_of(const Trajectory& original, const SharedStat
                          std::sqrt(C(C.rows() - 1, C.rows() - 1)) / t.nominal_speed_mps});
     }
   }
-  std::sort(offsets.begin(), offsets.end(),
-            [](const ClockOffset& a, const ClockOffset& b) { return a.time_s < b.time_s; });
+  std::ranges::sort(offsets, {}, &ClockOffset::time_s);
   return offsets;
 }
 
@@ -220,8 +219,7 @@ std::vector<std::pair<std::size_t, double>> steps_among(const std::vector<ClockO
   std::vector<std::pair<std::size_t, double>> steps;
   for (const auto& [significance, i] : candidates) {
     const auto at = i;
-    if (std::any_of(taken.begin(), taken.end(),
-                    [at](std::size_t k) { return std::max(k, at) - std::min(k, at) < kSide; }))
+    if (std::ranges::any_of(taken, [at](std::size_t k) { return std::max(k, at) - std::min(k, at) < kSide; }))
       continue;
     taken.push_back(i);
     const std::size_t sharp = sharpened(o, i > kSide ? i - kSide : 0, std::min(o.size(), i + kSide), i);
@@ -292,8 +290,8 @@ std::vector<ClockStep> steps_in_ranges(const Site& site, const MeasurementLog& r
 }
 
 bool ranges_show_a_jump(const Site& site, const std::vector<MeasurementLog>& runs) {
-  return std::any_of(runs.begin(), runs.end(),
-                     [&](const MeasurementLog& run) { return !steps_in_ranges(site, run).empty(); });
+  return std::ranges::any_of(runs,
+                             [&](const MeasurementLog& run) { return !steps_in_ranges(site, run).empty(); });
 }
 
 std::vector<ClockStep> steps_between_stops(const std::vector<Trajectory>& trajectories, std::size_t run,
@@ -305,8 +303,7 @@ std::vector<ClockStep> steps_between_stops(const std::vector<Trajectory>& trajec
     for (const auto& [at, step_s] : steps_among(o, smallest_m / t.nominal_speed_mps))
       steps.push_back({o[at].time_s, step_s, state.beacon_p_map_m.size()});
   }
-  std::sort(steps.begin(), steps.end(),
-            [](const ClockStep& a, const ClockStep& b) { return a.time_s < b.time_s; });
+  std::ranges::sort(steps, {}, &ClockStep::time_s);
   return steps;
 }
 
@@ -324,8 +321,7 @@ std::vector<ClockStep> steps_along_drives(const std::vector<Trajectory>& traject
                        state.beacon_p_map_m.size()});
     }
   }
-  std::sort(steps.begin(), steps.end(),
-            [](const ClockStep& a, const ClockStep& b) { return a.time_s < b.time_s; });
+  std::ranges::sort(steps, {}, &ClockStep::time_s);
   return steps;
 }
 

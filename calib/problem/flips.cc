@@ -44,9 +44,8 @@ bool has_heading(const Site& site, VehicleId vehicle, bool measured) {
     ends.emplace_back(r.position_m.head<2>());
     sigma_m = std::max(sigma_m, r.sigma_m.head<2>().maxCoeff());
   }
-  return std::any_of(ends.begin(), ends.end(), [&](const Eigen::Vector2d& end) {
-    return (end - ends.front()).norm() > kSigmas * sigma_m;
-  });
+  return std::ranges::any_of(
+      ends, [&](const Eigen::Vector2d& end) { return (end - ends.front()).norm() > kSigmas * sigma_m; });
 }
 
 bool is_flipped(const Node& node, double before_rad) {

@@ -96,7 +96,7 @@ class Examiner {
     if (times.empty()) return l;
     times.push_back(first_s_);
     times.push_back(last_s_);
-    std::sort(times.begin(), times.end());
+    std::ranges::sort(times);
     l.longest_silence_s = 0.0;
     for (std::size_t i = 1; i < times.size(); ++i)
       l.longest_silence_s = std::max(l.longest_silence_s, times[i] - times[i - 1]);
@@ -127,8 +127,8 @@ class Examiner {
     const double usual_s = spacing.empty() ? INFINITY : median(spacing);
     for (const Gap& g : between)
       if (g.to_s - g.from_s > std::max(kGapRatio * usual_s, usual_s + kGapAtLeastS)) h_.gaps.push_back(g);
-    std::sort(h_.gaps.begin(), h_.gaps.end(),
-              [](const Gap& a, const Gap& b) { return a.to_s - a.from_s > b.to_s - b.from_s; });
+    std::ranges::sort(h_.gaps,
+                      [](const Gap& a, const Gap& b) { return a.to_s - a.from_s > b.to_s - b.from_s; });
     if (h_.gaps.empty()) return;
     find("gap",
          fmt::format(
@@ -240,8 +240,8 @@ class Examiner {
 }  // namespace
 
 std::string pose_file(const MeasurementLog& run) {
-  const bool points = std::any_of(run.sha256.begin(), run.sha256.end(),
-                                  [](const auto& file) { return file.first.ends_with("points.csv"); });
+  const bool points =
+      std::ranges::any_of(run.sha256, [](const auto& file) { return file.first.ends_with("points.csv"); });
   return points ? "points.csv" : "poses.tum";
 }
 
@@ -251,7 +251,7 @@ std::vector<Finding> silent_links(const Site& site, const std::vector<RunHealth>
   std::vector<Finding> findings;
   for (std::size_t b = 0; b < site.beacons.size(); ++b) {
     const bool heard =
-        std::any_of(runs.begin(), runs.end(), [b](const RunHealth& h) { return h.beacons[b].arrivals > 0; });
+        std::ranges::any_of(runs, [b](const RunHealth& h) { return h.beacons[b].arrivals > 0; });
     if (!heard)
       findings.push_back({"silent_beacon",
                           fmt::format("beacon {} is in the site but was never heard", site.beacons[b].name)});
@@ -271,7 +271,7 @@ double counter_resolution_s(std::vector<double> values_s) {
   std::vector<double> v;
   const std::size_t count = std::min(values_s.size(), kEnough);
   for (std::size_t i = 0; i < count; ++i) v.push_back(values_s[i * values_s.size() / count]);
-  std::sort(v.begin(), v.end());
+  std::ranges::sort(v);
   const double rounding_s = 1e-12 * std::max(std::abs(v.front()), std::abs(v.back()));
   double step_s = INFINITY;
   for (std::size_t i = 1; i < v.size(); ++i)

@@ -76,8 +76,8 @@ constexpr double kUsualTolerance = 0.05;
 
 /// Whether a vehicle's places were measured in a recording.
 bool has_poses(const std::vector<Trajectory>& trajectories, VehicleId vehicle) {
-  return std::any_of(trajectories.begin(), trajectories.end(),
-                     [&](const Trajectory& t) { return t.vehicle == vehicle && !t.poses.empty(); });
+  return std::ranges::any_of(trajectories,
+                             [&](const Trajectory& t) { return t.vehicle == vehicle && !t.poses.empty(); });
 }
 
 /// Whether nothing at all tells the headings of a vehicle: one place of its receivers, on the origin where
@@ -85,9 +85,9 @@ bool has_poses(const std::vector<Trajectory>& trajectories, VehicleId vehicle) {
 bool is_headless(const Site& site, const std::vector<Trajectory>& trajectories, VehicleId vehicle) {
   if (site.motion != Motion::kPlanar || has_heading(site, vehicle, has_poses(trajectories, vehicle)))
     return false;
-  return std::none_of(trajectories.begin(), trajectories.end(), [&](const Trajectory& t) {
+  return std::ranges::none_of(trajectories, [&](const Trajectory& t) {
     return t.vehicle == vehicle && (!t.bearings.empty() || !t.odometry.empty() || t.motion_prior ||
-                                    std::any_of(t.poses.begin(), t.poses.end(), [](const PoseObservation& p) {
+                                    std::ranges::any_of(t.poses, [](const PoseObservation& p) {
                                       return p.heading_sigma_rad < kMeaninglessRad;
                                     }));
   });

@@ -12,7 +12,7 @@ namespace octant::calib {
 
 double nth_smallest(std::vector<double> values, std::size_t n) {
   const auto at = values.begin() + static_cast<std::ptrdiff_t>(n);
-  std::nth_element(values.begin(), at, values.end());
+  std::ranges::nth_element(values, at);
   return *at;
 }
 

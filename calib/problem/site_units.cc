@@ -90,7 +90,7 @@ std::vector<bool> beacons_in_unit(const Site& site, const LengthUnit& unit) {
   std::vector<double> sizes;
   for (const SiteBeacon& b : site.beacons)
     if (is_placed(b) && size_m(b) > 0) sizes.push_back(size_m(b));
-  std::sort(sizes.begin(), sizes.end());
+  std::ranges::sort(sizes);
   std::size_t split = 0;
   double widest = kOtherOrder;
   for (std::size_t i = 1; i < sizes.size(); ++i)

@@ -94,12 +94,11 @@ class Subsampler {
 
   /// A long stand: one epoch with more of the same than anybody needs.
   [[nodiscard]] bool crowded() const {
-    return std::any_of(groups_.begin(), groups_.end(), [this](const Group& g) {
+    return std::ranges::any_of(groups_, [this](const Group& g) {
       if (g.arrivals.size() <= options_.per_pair) return false;
       std::map<std::uint64_t, std::size_t> count;
-      return std::any_of(g.arrivals.begin(), g.arrivals.end(), [&](std::size_t a) {
-        return ++count[pair_of(run_.arrivals[a])] > options_.per_pair;
-      });
+      return std::ranges::any_of(
+          g.arrivals, [&](std::size_t a) { return ++count[pair_of(run_.arrivals[a])] > options_.per_pair; });
     });
   }
 
@@ -126,11 +125,11 @@ class Subsampler {
         if (drive_) asked_s = std::max(asked_s, asked_before_s(site_, run_.arrivals[a]));
       spans.emplace_back(groups_[g].first_s - asked_s, groups_[g].last_s);
     }
-    std::sort(arrivals.begin(), arrivals.end());
-    std::sort(bearings.begin(), bearings.end());
+    std::ranges::sort(arrivals);
+    std::ranges::sort(bearings);
     for (const std::size_t a : arrivals) sample.arrivals.push_back(run_.arrivals[a]);
     for (const std::size_t b : bearings) sample.bearings.push_back(run_.bearings[b]);
-    std::sort(spans.begin(), spans.end());
+    std::ranges::sort(spans);
     sample.poses = poses_near(run_.poses, spans);
     if (drive_) sample.odometry = subsampled_odometry(run_.odometry, spans);
     return sample;
@@ -223,8 +222,7 @@ std::vector<OdometryStep> subsampled_odometry(const std::vector<OdometryStep>& o
   for (const OdometryStep& s : odometry) vehicles.insert(s.vehicle);
   std::vector<OdometryStep> sample;
   for (const VehicleId vehicle : vehicles) add_subsampled(rows_of(odometry, vehicle, spans), sample);
-  std::stable_sort(sample.begin(), sample.end(),
-                   [](const OdometryStep& a, const OdometryStep& b) { return a.time_s < b.time_s; });
+  std::ranges::stable_sort(sample, {}, &OdometryStep::time_s);
   return sample;
 }
 
@@ -295,12 +293,12 @@ std::vector<std::size_t> some_of_pairs(const std::vector<const Arrival*>& arriva
     const std::size_t count = std::min(per_pair, all.size());
     for (std::size_t i = 0; i < count; ++i) some.push_back(all[i * all.size() / count]);
   }
-  std::sort(some.begin(), some.end());
+  std::ranges::sort(some);
   return some;
 }
 
 void sort_by_time(std::vector<Arrival>& arrivals) {
-  std::stable_sort(arrivals.begin(), arrivals.end(), [](const Arrival& a, const Arrival& b) {
+  std::ranges::stable_sort(arrivals, [](const Arrival& a, const Arrival& b) {
     return a.time_s != b.time_s ? a.time_s < b.time_s : a.line < b.line;
   });
 }

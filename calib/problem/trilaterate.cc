@@ -232,7 +232,7 @@ class Solver {
     for (std::size_t i = 0; i < candidates.size(); ++i)
       if (candidates[i].allFinite())
         ranked.emplace_back(robust_cost(ranges_, rays_, candidates[i], coarse_m), i);
-    std::sort(ranked.begin(), ranked.end());
+    std::ranges::sort(ranked);
     double best = INFINITY;
     for (std::size_t k = 0; k < std::min<std::size_t>(ranked.size(), 12); ++k) {
       const Eigen::Vector3d p = refine(candidates[ranked[k].second], coarse_m);

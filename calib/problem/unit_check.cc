@@ -59,7 +59,7 @@ std::optional<Finding> wrong_unit(const Site& site, const MeasurementLog& run, d
                              {"metres", legs / c, 0},
                              {"millimetres", 1e-3 * legs / c, 0}};
   for (Unit& u : units) u.off = std::abs(std::log(ratio * u.factor / kUsual));
-  std::sort(units.begin(), units.end(), [](const Unit& a, const Unit& b) { return a.off < b.off; });
+  std::ranges::sort(units, {}, &Unit::off);
   std::string guess;
   for (const Unit& u : units)
     if (ratio > kLongest && u.off < std::log(10.0))
@@ -124,9 +124,8 @@ std::optional<Finding> factor_two(const Site& site, const MeasurementLog& run, d
   const std::vector<PairOfRanges> pairs = pairs_of_ranges(site, run, extent);
   if (pairs.size() < kPairsNeeded) return {};
   const auto share = [&](double factor) {
-    return static_cast<double>(
-               std::count_if(pairs.begin(), pairs.end(),
-                             [factor](const PairOfRanges& p) { return p.contradicts(factor); })) /
+    return static_cast<double>(std::ranges::count_if(
+               pairs, [factor](const PairOfRanges& p) { return p.contradicts(factor); })) /
            static_cast<double>(pairs.size());
   };
   const double as_stated = share(1.0);

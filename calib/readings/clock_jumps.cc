@@ -77,8 +77,7 @@ std::vector<Trajectory> drives_by_loose_ranges(const Site& site, const Measureme
   const auto by_odometry = [&](Trajectory& t, const EpochFixModel& model, const SharedState& state) {
     if (!t.moving) return false;
     static_cast<void>(place_states(t, model, kLooseRangeM, false, 0.0, threads));
-    if (std::any_of(t.nodes.begin(), t.nodes.end(), [](const Node& node) { return !node.placed; }))
-      return false;
+    if (std::ranges::any_of(t.nodes, [](const Node& node) { return !node.placed; })) return false;
     for (ArrivalObservation& a : t.arrivals) a.sigma_s = std::max(a.sigma_s, loose_s);
     for (const Segment& segment : t.segments) {
       reset_rejections(t, segment, model);
@@ -108,12 +107,11 @@ std::vector<ClockStep> jumps_by(const Site& site, const MeasurementLog& half, co
 ClockStep* same_jump(const ClockStep& left, const MeasurementLog& run, std::vector<ClockStep>& jumps) {
   const auto is_same = [&](const ClockStep& jump) {
     const auto span = std::minmax(jump.time_s, left.time_s);
-    const auto between = std::count_if(run.arrivals.begin(), run.arrivals.end(), [&](const Arrival& a) {
-      return a.time_s >= span.first && a.time_s < span.second;
-    });
+    const auto between = std::ranges::count_if(
+        run.arrivals, [&](const Arrival& a) { return a.time_s >= span.first && a.time_s < span.second; });
     return between <= kSameJump;
   };
-  const auto same = std::find_if(jumps.begin(), jumps.end(), is_same);
+  const auto same = std::ranges::find_if(jumps, is_same);
   return same == jumps.end() ? nullptr : &*same;
 }
 
@@ -130,8 +128,8 @@ bool add(const std::vector<ClockStep>& left, const MeasurementLog& run, std::vec
     } else {
       others.push_back(step);
     }
-  const auto largest = std::max_element(others.begin(), others.end(), is_smaller);
-  const auto known = std::max_element(jumps.begin(), jumps.end(), is_smaller);
+  const auto largest = std::ranges::max_element(others, is_smaller);
+  const auto known = std::ranges::max_element(jumps, is_smaller);
   if (largest == others.end() ||
       (known != jumps.end() && std::abs(largest->step_s) < kBesides * std::abs(known->step_s)))
     return false;
@@ -154,8 +152,7 @@ std::vector<ClockStep> clock_jumps(const Site& site, const MeasurementLog& run, 
     without_jumps(jumps, rest);
     if (!add(jumps_by(site, half_of(rest, half), rest, options), run, jumps)) break;
   }
-  std::sort(jumps.begin(), jumps.end(),
-            [](const ClockStep& a, const ClockStep& b) { return a.time_s < b.time_s; });
+  std::ranges::sort(jumps, {}, &ClockStep::time_s);
   return jumps;
 }
 

@@ -15,7 +15,7 @@ constexpr double kLongerThan = 3.0;  ///< times the longest gap within a stop
 
 /// The gap from which on one is a pause, by the widest step in the sorted gaps; 0: none stands out.
 double pause_s(std::vector<double> gaps_s) {
-  std::sort(gaps_s.begin(), gaps_s.end());
+  std::ranges::sort(gaps_s);
   const std::size_t most = gaps_s.size() / kRowsPerPause;
   double widest = kLongerThan, pause = 0.0;
   for (std::size_t count = kFewestPauses; count <= most; ++count) {
@@ -33,8 +33,9 @@ double pause_s(std::vector<double> gaps_s) {
 std::size_t number_stops(MeasurementLog& run) {
   if (!run.odometry.empty() || !run.poses.empty() || run.arrivals.size() < kFewestPauses * kRowsPerPause)
     return 0;
-  if (run.has_epochs && std::any_of(run.arrivals.begin(), run.arrivals.end(),
-                                    [&](const Arrival& a) { return a.epoch != run.arrivals.front().epoch; }))
+  if (run.has_epochs && std::ranges::any_of(run.arrivals, [&](const Arrival& a) {
+        return a.epoch != run.arrivals.front().epoch;
+      }))
     return 0;
   std::map<VehicleId, double> last_s;
   std::vector<double> gaps_s;

@@ -63,9 +63,8 @@ std::vector<Reading> other_units(const Site& site, const std::vector<Measurement
   const std::vector<bool> none(site.beacons.size(), false);
   std::vector<bool> all = none;
   for (std::size_t b = 0; b < all.size(); ++b)
-    all[b] = std::any_of(site.beacons[b].position_m.begin(), site.beacons[b].position_m.end(),
-                         [](const auto& x) { return x.has_value(); });
-  const bool placed = std::find(all.begin(), all.end(), true) != all.end();
+    all[b] = std::ranges::any_of(site.beacons[b].position_m, [](const auto& x) { return x.has_value(); });
+  const bool placed = std::ranges::find(all, true) != all.end();
   std::vector<Reading> readings;
   for (const LengthUnit& u : length_units()) {
     if (placed && !some_only) readings.push_back(unit_reading(u, {all, false}, "the beacons"));
@@ -73,7 +72,7 @@ std::vector<Reading> other_units(const Site& site, const std::vector<Measurement
     if (!some_only) readings.push_back(unit_reading(u, {none, true}, "the receivers"));
     std::vector<std::vector<bool>> shares = beacons_in_unit_by_ranges(site, runs, u);
     const std::vector<bool> by_size = beacons_in_unit(site, u);
-    if (std::find(shares.begin(), shares.end(), by_size) == shares.end()) shares.push_back(by_size);
+    if (std::ranges::find(shares, by_size) == shares.end()) shares.push_back(by_size);
     for (const std::vector<bool>& some : shares) {
       std::vector<std::string> names;
       for (std::size_t b = 0; b < some.size(); ++b)
@@ -113,8 +112,7 @@ std::vector<Reading> exchanged_points(const Site& site) {
 
 std::vector<Reading> other_pose_frames(const std::vector<MeasurementLog>& runs) {
   std::vector<Reading> readings;
-  const auto posed =
-      std::find_if(runs.begin(), runs.end(), [](const MeasurementLog& run) { return !run.poses.empty(); });
+  const auto posed = std::ranges::find_if(runs, [](const MeasurementLog& run) { return !run.poses.empty(); });
   if (posed == runs.end()) return readings;
   for (const Reflection& reflection : reflections())
     readings.push_back({{ContradictionKind::kPoses, "in " + pose_file(*posed), "in a right-handed frame",
@@ -174,9 +172,9 @@ std::vector<Reading> other_odometry(const std::vector<MeasurementLog>& runs) {
       {"that its way is in centimetres", "multiply dx_m and dy_m by 0.01", 1e-2, 1e-2, 1.0},
   };
   const auto driven =
-      std::find_if(runs.begin(), runs.end(), [](const MeasurementLog& run) { return !run.odometry.empty(); });
-  if (driven == runs.end() || !std::all_of(driven->odometry.begin(), driven->odometry.end(),
-                                           [](const OdometryStep& s) { return s.is_planar(); }))
+      std::ranges::find_if(runs, [](const MeasurementLog& run) { return !run.odometry.empty(); });
+  if (driven == runs.end() ||
+      !std::ranges::all_of(driven->odometry, [](const OdometryStep& s) { return s.is_planar(); }))
     return {};
   std::vector<Reading> readings;
   for (const Convention& c : kConventions)
@@ -197,9 +195,8 @@ std::vector<Reading> other_odometry(const std::vector<MeasurementLog>& runs) {
 }
 
 std::vector<Reading> without_poses(const std::vector<MeasurementLog>& runs) {
-  const auto posed = std::find_if(runs.begin(), runs.end(), [](const MeasurementLog& run) {
-    return !run.poses.empty() && run.has_epochs;
-  });
+  const auto posed = std::ranges::find_if(
+      runs, [](const MeasurementLog& run) { return !run.poses.empty() && run.has_epochs; });
   if (posed == runs.end()) return {};
   return {Reading{{ContradictionKind::kPoses, "in " + posed->path + "/" + pose_file(*posed),
                    "poses of the vehicle in the map's frame",

@@ -83,8 +83,8 @@ class Search {
               is_blamed(ContradictionKind::kSpeed));
     // A wrong frame of short lever arms, or odometry that counts backward, looks much like receivers in
     // another unit: all have their turn.
-    const bool explained = std::any_of(found_.begin(), found_.end(),
-                                       [](const ScoredReading& t) { return explains_all(t.score); });
+    const bool explained =
+        std::ranges::any_of(found_, [](const ScoredReading& t) { return explains_all(t.score); });
     const std::vector<Reading> odometry = explained ? std::vector<Reading>() : other_odometry(problem_.runs);
     try_out(odometry);
     std::vector<Reading> frames = other_pose_frames(problem_.runs);
@@ -122,7 +122,7 @@ class Search {
   /// Two points at each other's places take a part of what receivers wired otherwise do to the ranges: what
   /// is found of them settles nothing before all else had its turn.
   [[nodiscard]] bool nothing_but_exchanges() const {
-    return std::all_of(found_.begin(), found_.end(), [](const ScoredReading& t) {
+    return std::ranges::all_of(found_, [](const ScoredReading& t) {
       return t.what.kind == ContradictionKind::kExchanged && !explains_all(t.score);
     });
   }
@@ -133,8 +133,8 @@ class Search {
   }
 
   [[nodiscard]] bool is_blamed(ContradictionKind kind) const {
-    return std::any_of(solution_.contradictions.begin(), solution_.contradictions.end(),
-                       [kind](const Contradiction& c) { return c.kind == kind; });
+    return std::ranges::any_of(solution_.contradictions,
+                               [kind](const Contradiction& c) { return c.kind == kind; });
   }
 
   [[nodiscard]] bool stopped() const { return options_.on_progress && !options_.on_progress({}); }
@@ -143,8 +143,8 @@ class Search {
   /// noise many times larger everything agrees with anything.
   [[nodiscard]] double agreeing_as_stated(double noise) const {
     const double limit = options_.rejection_sigmas * noise;
-    const auto agreeing = std::count_if(stated_.sizes.begin(), stated_.sizes.end(),
-                                        [limit](double size) { return size <= limit; });
+    const auto agreeing =
+        std::ranges::count_if(stated_.sizes, [limit](double size) { return size <= limit; });
     return static_cast<double>(agreeing) / std::max(1.0, stated_.arrivals);
   }
 
@@ -182,14 +182,12 @@ class Search {
       if (plainly ? loss < stated_first_.loss : loss < kWorthASecondTrial * stated_first_.loss)
         ranking.emplace_back(loss, i);
     }
-    std::stable_sort(ranking.begin(), ranking.end(),
-                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::ranges::stable_sort(ranking, [](const auto& a, const auto& b) { return a.first < b.first; });
     std::map<ContradictionKind, std::size_t> tried;  // of each kind: of poses in a mirrored frame and
                                                      // receivers wired so, each is to have its turn
     std::erase_if(ranking,
                   [&](const auto& r) { return ++tried[readings[r.second].what.kind] > kSecondTrials; });
-    std::sort(ranking.begin(), ranking.end(),
-              [](const auto& a, const auto& b) { return a.second < b.second; });
+    std::ranges::sort(ranking, [](const auto& a, const auto& b) { return a.second < b.second; });
     for (const auto& [loss, i] : ranking) {
       if (stopped()) return;
       const ReadingScore s = score(readings[i], kSecondShare, true);
@@ -300,8 +298,7 @@ class Search {
   /// wrong.
   static void join_odometry_to_wiring(std::vector<Contradiction>& reported) {
     const auto of_kind = [&](ContradictionKind kind) {
-      return std::find_if(reported.begin(), reported.end(),
-                          [kind](const Contradiction& c) { return c.kind == kind; });
+      return std::ranges::find(reported, kind, &Contradiction::kind);
     };
     const auto wiring = of_kind(ContradictionKind::kWiring), odometry = of_kind(ContradictionKind::kLog);
     if (wiring == reported.end() || odometry == reported.end() ||
@@ -315,14 +312,14 @@ class Search {
   /// any, which is the likelier mistake, and among those one that disregards the fewest stated places.
   std::vector<Contradiction> best() {
     std::vector<Contradiction> reported;
-    std::stable_sort(found_.begin(), found_.end(), [](const ScoredReading& a, const ScoredReading& b) {
+    std::ranges::stable_sort(found_, [](const ScoredReading& a, const ScoredReading& b) {
       return a.score.disregarded < b.score.disregarded;
     });
     double least = INFINITY;
     for (const ScoredReading& t : found_) least = std::min(least, t.score.loss);
     for (ScoredReading& t : found_) {
-      const bool said = std::any_of(reported.begin(), reported.end(),
-                                    [&](const Contradiction& m) { return m.kind == t.what.kind; });
+      const bool said =
+          std::ranges::any_of(reported, [&](const Contradiction& m) { return m.kind == t.what.kind; });
       if (said || t.score.loss > least + kTie) continue;
       t.what.found += fmt::format(" (so read {:.0f} % of the arrivals agree, as stated {:.0f} %)",
                                   100 * t.score.agreeing, 100 * agreeing_as_stated(t.score.noise));

@@ -43,10 +43,9 @@ Site with_receivers_read(const Site& site, std::size_t vehicle, const AxesReadin
 
 /// Whether it moves a receiver, and to where none of the others stands: that is another wiring.
 bool is_another_array(const Site& site, std::size_t vehicle, const AxesReading& axes) {
-  return std::any_of(site.receivers.begin(), site.receivers.end(), [&](const SiteReceiver& r) {
+  return std::ranges::any_of(site.receivers, [&](const SiteReceiver& r) {
     const Eigen::Vector3d read = axes.read(r.position_m);
-    return r.vehicle.index() == vehicle &&
-           std::none_of(site.receivers.begin(), site.receivers.end(), [&](const SiteReceiver& s) {
+    return r.vehicle.index() == vehicle && std::ranges::none_of(site.receivers, [&](const SiteReceiver& s) {
              return s.vehicle == r.vehicle && (s.position_m - read).norm() < kSamePlaceM;
            });
   });
@@ -75,8 +74,8 @@ std::vector<Reading> other_site_frames(const Site& site) {
                             [v, axes](const Site& stated) { return with_receivers_read(stated, v, axes); },
                             {}});
   }
-  const auto placed = std::count_if(site.beacons.begin(), site.beacons.end(),
-                                    [](const SiteBeacon& b) { return b.position_m[0] && b.position_m[1]; });
+  const auto placed = std::ranges::count_if(
+      site.beacons, [](const SiteBeacon& b) { return b.position_m[0] && b.position_m[1]; });
   if (static_cast<std::size_t>(placed) >= kPlacesOfAMap)
     readings.push_back(
         {{ContradictionKind::kExchanged, "of the site file", "in a right-handed frame (z up)",

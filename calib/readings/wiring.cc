@@ -30,9 +30,8 @@ class WiringList {
   }
 
   void add(Order order, const std::string& words) {
-    const bool as_stated = std::is_sorted(order.begin(), order.end());
-    const bool known =
-        std::any_of(list_.begin(), list_.end(), [&](const Wiring& w) { return w.order == order; });
+    const bool as_stated = std::ranges::is_sorted(order);
+    const bool known = std::ranges::any_of(list_, [&](const Wiring& w) { return w.order == order; });
     if (!as_stated && !known) list_.push_back({std::move(order), words});
   }
   void exchange(std::size_t i, std::size_t j) {
@@ -108,8 +107,7 @@ class WiringList {
       return std::atan2(d.y(), d.x());
     };
     Order ring = as_stated();
-    std::stable_sort(ring.begin(), ring.end(),
-                     [&](std::size_t a, std::size_t b) { return azimuth(a) < azimuth(b); });
+    std::ranges::stable_sort(ring, [&](std::size_t a, std::size_t b) { return azimuth(a) < azimuth(b); });
     return ring;
   }
 
@@ -152,7 +150,7 @@ std::vector<bool> doubtful_receivers(const Site& site, const std::vector<Traject
     }
   for (std::size_t r = 0; r < share.size(); ++r) share[r] = all[r] > 0 ? used[r] / all[r] : 1.0;
   std::vector<double> sorted = share;
-  std::sort(sorted.begin(), sorted.end());
+  std::ranges::sort(sorted);
   constexpr std::size_t kMost = 6;
   std::vector<bool> doubtful;
   for (const double s : share) doubtful.push_back(sorted.size() <= kMost || s <= sorted[kMost - 1]);

@@ -148,8 +148,8 @@ class Checker {
       if (c.bearings >= 10 && 2 * c.bearings_out > c.bearings) bearings_left_out(b);
       if (is_suspect(c, kSomeLeftOut, kBeyondOthersIfMoved)) suspects.push_back(b);
     }
-    std::sort(suspects.begin(), suspects.end(),
-              [this](std::size_t a, std::size_t b) { return counts_[a].out() > counts_[b].out(); });
+    std::ranges::sort(suspects,
+                      [this](std::size_t a, std::size_t b) { return counts_[a].out() > counts_[b].out(); });
     for (std::size_t k = 0; k < suspects.size(); ++k) {
       const Places places = places_of(fit_, suspects[k]);
       if (k < kMostSplit && places.left_out >= kFewestPlaces && moved(suspects[k])) continue;
@@ -240,8 +240,7 @@ class Checker {
   /// where it is said to be.
   void receivers() {
     const std::vector<HeardCounts> counts = count_by_receiver(fit_);
-    if (std::count_if(counts.begin(), counts.end(), [](const HeardCounts& c) { return c.placed > 0; }) < 2)
-      return;
+    if (std::ranges::count_if(counts, [](const HeardCounts& c) { return c.placed > 0; }) < 2) return;
     const double usual = usual_share(counts);
     for (std::size_t r = 0; r < counts.size(); ++r) {
       const HeardCounts& c = counts[r];
@@ -279,8 +278,7 @@ class Checker {
       }
     }
     if (moved.empty()) return;
-    std::sort(moved.begin(), moved.end(),
-              [](const auto& a, const auto& b) { return a.first.gain > b.first.gain; });
+    std::ranges::sort(moved, [](const auto& a, const auto& b) { return a.first.gain > b.first.gain; });
     constexpr std::size_t kMostNamed = 12;
     std::vector<std::string> named;
     for (std::size_t i = 0; i < moved.size() && i < kMostNamed; ++i)

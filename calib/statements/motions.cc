@@ -167,7 +167,7 @@ std::vector<double> times_of_change(const Fit& fit, std::size_t b) {
       if (a.beacon.index() == b && is_by_residual(a.rejection))
         out.emplace_back(a.time_s, is_outlier(a.rejection) ? 1.0 : 0.0);
   if (out.size() < 4 * kFewestOfBeacon) return {};
-  std::sort(out.begin(), out.end());
+  std::ranges::sort(out);
   double total = 0.0, sum = 0.0, best = 0.0;
   for (const auto& [time, left] : out) total += left;
   const auto n = static_cast<double>(out.size());
@@ -204,7 +204,7 @@ std::optional<double> best_time_of_change(const Fit& split, std::size_t b, doubl
       const double at_earlier = cost_at(earlier);
       more_if_later.emplace_back(a.time_s, cost_at(later) - at_earlier);
     }
-  std::sort(more_if_later.begin(), more_if_later.end());
+  std::ranges::sort(more_if_later);
   std::optional<double> change;
   double sum = 0.0, most = -INFINITY;
   for (std::size_t k = 0; k + kFewestOfBeacon < more_if_later.size(); ++k) {

@@ -80,12 +80,11 @@ class StatementWords {
     constexpr std::size_t kFewest = 3;
     constexpr double kAlike = 0.15, kDistances = 0.25;  ///< of that height
     const Site& site = stated_.site();
-    const auto points = std::count_if(site.beacons.begin(), site.beacons.end(),
-                                      [](const SiteBeacon& b) { return b.is_control_point(); });
+    const auto points =
+        std::ranges::count_if(site.beacons, [](const SiteBeacon& b) { return b.is_control_point(); });
     if (site.motion != Motion::kPlanar || culprits.size() < kFewest ||
         culprits.size() != static_cast<std::size_t>(points) ||
-        std::any_of(culprits.begin(), culprits.end(),
-                    [](const Statement& s) { return s.what != What::kControlPoint; }))
+        std::ranges::any_of(culprits, [](const Statement& s) { return s.what != What::kControlPoint; }))
       return;
     const SharedState state = fit_.state();
     std::vector<Eigen::Vector3d> here, there;
@@ -183,8 +182,8 @@ class StatementWords {
                one = !each && timing.delay_per.site && sigma_s > 0;
     c.kind = ContradictionKind::kDelay;
     c.subject = "all beacons";
-    const bool own = std::any_of(stated_.site().beacons.begin(), stated_.site().beacons.end(),
-                                 [](const SiteBeacon& b) { return b.delay_s.has_value(); });
+    const bool own = std::ranges::any_of(stated_.site().beacons,
+                                         [](const SiteBeacon& b) { return b.delay_s.has_value(); });
     c.stated = each              ? fmt::format("delays of the beacons, sigma {}", time(sigma_s))
                : one             ? std::string("one delay for all (timing.delay_per: site)")
                : own             ? std::string("delays of the beacons, held fixed (delay_sigma_s: 0)")

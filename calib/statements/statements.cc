@@ -144,8 +144,7 @@ class StatementTest {
       if (is_mostly_left_out(s)) suspect.sigmas = std::max(suspect.sigmas, 1e3);
       if (suspect.sigmas > kSuspectStatementSigmas) found.push_back(suspect);
     }
-    std::sort(found.begin(), found.end(),
-              [](const Suspect& a, const Suspect& b) { return a.sigmas > b.sigmas; });
+    std::ranges::sort(found, std::ranges::greater{}, &Suspect::sigmas);
     if (found.size() > kMostSuspects) found.resize(kMostSuspects);
     return found;
   }
@@ -211,7 +210,7 @@ class StatementTest {
   }
 
   [[nodiscard]] bool is_released(const Statement& s) const {
-    return std::find(released_.begin(), released_.end(), s) != released_.end();
+    return std::ranges::find(released_, s) != released_.end();
   }
 
   // With one

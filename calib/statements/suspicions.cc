@@ -80,7 +80,7 @@ std::vector<Finding> receiver_labels(const Adjusted& f) {
   std::vector<Finding> findings;
   for (const SuspectReceiver& a : found) {
     const std::string& vehicle = site.vehicles[site.receivers[a.receiver.index()].vehicle.index()].name;
-    const auto partner = std::find_if(found.begin(), found.end(), [&](const SuspectReceiver& b) {
+    const auto partner = std::ranges::find_if(found, [&](const SuspectReceiver& b) {
       return a.fits.valid() && b.receiver == a.fits && b.fits == a.receiver;
     });
     if (partner != found.end()) {

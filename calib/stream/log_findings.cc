@@ -103,7 +103,7 @@ GatheredFindings FindingsGatherer::findings(const Estimate& estimate) && {
 
 void FindingsGatherer::leave_out_bearings_of_no_state() {
   for (std::size_t run = 0; run < carried_.size(); ++run) {
-    const auto count = std::count(carried_[run].begin(), carried_[run].end(), false);
+    const auto count = std::ranges::count(carried_[run], false);
     for (std::size_t i = 0; i < carried_[run].size(); ++i)
       if (!carried_[run][i])
         findings_.findings.left_out.bearings.push_back({run, i, Rejection::kNoPose, 0.0});
@@ -145,7 +145,7 @@ void FindingsGatherer::read_counts(BufferReader& buffer) {
 void FindingsGatherer::write_series(const Trajectory& t, BufferWriter& buffer) const {
   const std::vector<PairSeries> series = pair_series(t, state_);
   buffer.put_count(static_cast<std::size_t>(
-      std::count_if(series.begin(), series.end(), [](const PairSeries& s) { return s.count > 0; })));
+      std::ranges::count_if(series, [](const PairSeries& s) { return s.count > 0; })));
   for (std::size_t i = 0; i < series.size(); ++i) {
     if (series[i].count == 0) continue;
     buffer.put_count(i);

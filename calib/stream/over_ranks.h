@@ -53,7 +53,7 @@ inline std::vector<double> in_order(const Ranks* ranks, std::vector<std::vector<
         std::accumulate(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(i), 0.0));
   };
   std::vector<double> all(sum_until(sizes.size()), 0.0);
-  std::copy(mine.begin(), mine.end(), all.begin() + static_cast<std::ptrdiff_t>(sum_until(rank)));
+  std::ranges::copy(mine, all.begin() + static_cast<std::ptrdiff_t>(sum_until(rank)));
   sum_over(ranks, all);
   return all;
 }

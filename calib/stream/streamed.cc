@@ -118,7 +118,7 @@ class StreamedLog : public CalibrationLog {
   /// Runs of stops alone are subsampled by epochs, all others by stretches of time.
   [[nodiscard]] bool has_stops_alone(std::size_t run) const {
     const auto& kinds = chunks_.kinds(run);
-    return std::all_of(kinds.begin(), kinds.end(), [](StateKind k) { return k == StateKind::kStops; });
+    return std::ranges::all_of(kinds, [](StateKind k) { return k == StateKind::kStops; });
   }
 
   /// With the warnings that make_problem() would give of all drives; others are counted in the end.

@@ -50,7 +50,7 @@ class SchemaWalk {
     if (node.contains("properties"))
       for (const auto& [name, key] : node["properties"].items()) {
         const std::string below = path.empty() ? name : fmt::format("{}.{}", path, name);
-        visit_(below, key, std::find(required.begin(), required.end(), SchemaJson(name)) != required.end());
+        visit_(below, key, std::ranges::find(required, SchemaJson(name)) != required.end());
         walk(key, below);
       }
     if (node.contains("items")) walk(node["items"], path + "[]");

@@ -171,7 +171,7 @@ std::vector<std::string> read_layers(YamlMap& map, const char* key, YamlLog& log
 }
 
 bool among(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
+  return std::ranges::find(names, name) != names.end();
 }
 
 std::optional<Error> import_dxf(YamlMap& map, Scene& scene, YamlLog& log) {

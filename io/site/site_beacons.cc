@@ -94,8 +94,8 @@ class BeaconsInPlace {
       here ? write_axes(scene.value(i)) : out_.copy(scene.value(i));
       written = written || here;
     }
-    const bool any = std::any_of(beacons_.begin(), beacons_.end(),
-                                 [](const SiteBeaconEntry& b) { return b.axis.has_value(); });
+    const bool any =
+        std::ranges::any_of(beacons_, [](const SiteBeaconEntry& b) { return b.axis.has_value(); });
     if (any && !written) out_.text("beacons"), write_axes({});
     out_.end_map();
   }

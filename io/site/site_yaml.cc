@@ -198,8 +198,7 @@ void warn_of_held_delays(YamlMap& root, const Site& site, YamlLog& log) {
   if (per.none() || YamlMap(node, "timing", log).has("delay_sigma_s")) return;
   const bool all_state_their_own =
       per.beacon && !per.receiver && !per.site && !site.beacons.empty() &&
-      std::all_of(site.beacons.begin(), site.beacons.end(),
-                  [](const SiteBeacon& b) { return b.delay_sigma_s.has_value(); });
+      std::ranges::all_of(site.beacons, [](const SiteBeacon& b) { return b.delay_sigma_s.has_value(); });
   if (!all_state_their_own)
     log.warn(node, "timing.delay_sigma_s is not given; the delays are held fixed (delay_sigma_s: 0)");
 }

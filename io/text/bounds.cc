@@ -90,7 +90,7 @@ Result<void> check_lines(std::string_view text, const std::string& file) {
       error.line += line - 1;
       return fail(error);
     }
-    line += static_cast<int>(std::count(lines.begin(), lines.end(), '\n'));
+    line += static_cast<int>(std::ranges::count(lines, '\n'));
     begin += size;
   }
   return {};

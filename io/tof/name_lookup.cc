@@ -52,7 +52,7 @@ std::string NameLookup::other_unknown_beacons(const CsvReader& csv, int column) 
   while (unknown.size() <= kMost && rest.next_row()) {
     const std::string name(rest.field(column));
     if (name.empty() || name == first || beacon(name).valid() ||
-        std::find(unknown.begin(), unknown.end(), name) != unknown.end())
+        std::ranges::find(unknown, name) != unknown.end())
       continue;
     unknown.push_back(name);
   }

@@ -21,8 +21,7 @@ void NumberSet::insert(std::int64_t number) {
 bool NumberSet::contains(std::int64_t number) const {
   if (intervals_.empty() || number > intervals_.back().second) return false;
   const auto after =
-      std::upper_bound(intervals_.begin(), intervals_.end(), number,
-                       [](std::int64_t n, const auto& interval) { return n < interval.first; });
+      std::ranges::upper_bound(intervals_, number, {}, &decltype(intervals_)::value_type::first);
   return (after != intervals_.begin() && number <= std::prev(after)->second) || others_.contains(number);
 }
 

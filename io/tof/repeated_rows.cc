@@ -36,7 +36,7 @@ std::vector<int> RepeatedRows::drop(std::vector<Arrival>& all, std::size_t first
       &comes_before);  // the same rows, where there are many of one time
   const auto repeats = [&](const Arrival& a) {
     const auto is_it = [&a](const Arrival& b) { return same_but_line(a, b); };
-    if (std::any_of(latest_.begin(), latest_.end(), is_it)) return true;
+    if (std::ranges::any_of(latest_, is_it)) return true;
     if (kept - of_time <= kFew)
       return std::any_of(all.begin() + static_cast<std::ptrdiff_t>(of_time),
                          all.begin() + static_cast<std::ptrdiff_t>(kept), is_it);

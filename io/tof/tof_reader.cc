@@ -240,7 +240,7 @@ std::size_t TofReader::rows_estimate() const {
   for (std::size_t i = 0; i < kSamples; ++i) {
     const std::string_view sample = body.substr(body.size() / kSamples * i, kSampleBytes);
     sampled += sample.size();
-    lines += static_cast<std::size_t>(std::count(sample.begin(), sample.end(), '\n'));
+    lines += static_cast<std::size_t>(std::ranges::count(sample, '\n'));
   }
   const double density =
       sampled == 0 ? 0.0 : static_cast<double>(lines + kSamples) / static_cast<double>(sampled);

@@ -40,7 +40,7 @@ bool read_temperature(CsvReader& csv, int column, double& temperature_degC) {
 /// Whether distance_m stands for tof_s; an error where it would have to and no speed is known.
 bool has_distance(CsvReader& csv, const DistanceAsTime& as_time) {
   const auto has = [&csv](const char* name) {
-    return std::find(csv.header().begin(), csv.header().end(), name) != csv.header().end();
+    return std::ranges::find(csv.header(), name) != csv.header().end();
   };
   if (has("tof_s") || !has("distance_m")) return false;
   if (as_time.per_m_s > 0.0) return true;
@@ -81,8 +81,7 @@ void TofRefusals::add(Refusal refusal, int line, std::string_view text) {
 }
 
 std::vector<RejectedRow> TofRefusals::take() {
-  std::stable_sort(rows_.begin(), rows_.end(),
-                   [](const RejectedRow& a, const RejectedRow& b) { return a.line < b.line; });
+  std::ranges::stable_sort(rows_, {}, &RejectedRow::line);
   return std::exchange(rows_, {});
 }
 

@@ -95,7 +95,7 @@ class ChangeSearcher {
         consider(without);
       }
       for (std::size_t k = 0; k < hypotheses_.size(); ++k) {
-        if (!std::isfinite(price_[k]) || std::find(held_.begin(), held_.end(), k) != held_.end()) continue;
+        if (!std::isfinite(price_[k]) || std::ranges::find(held_, k) != held_.end()) continue;
         Held with = without;
         with.push_back(k);
         consider(with);
@@ -112,8 +112,7 @@ class ChangeSearcher {
       TestedChange t;
       t.hypothesis = k;
       Held with = held_, without;
-      std::copy_if(held_.begin(), held_.end(), std::back_inserter(without),
-                   [k](std::size_t other) { return other != k; });
+      std::ranges::copy_if(held_, std::back_inserter(without), [k](std::size_t other) { return other != k; });
       t.held = without.size() < held_.size();
       if (!t.held) with.push_back(k);
       // Its own columns first, so that they head the estimate.

@@ -66,8 +66,7 @@ Change change_of(const TestedChange& tested, const ChangeHypothesis& hypothesis,
 }
 
 const DeploymentBeacon& beacon_named(const Deployment& d, const std::string& name) {
-  return *std::find_if(d.beacons.begin(), d.beacons.end(),
-                       [&](const DeploymentBeacon& b) { return b.name == name; });
+  return *std::ranges::find(d.beacons, name, &DeploymentBeacon::name);
 }
 
 /// Two that moved to each other's places, to a quarter of the way, became one change.
@@ -222,8 +221,7 @@ Comparison compare(const Deployment& before, const KnownParameters& known, const
   for (const TestedChange& t : out.search.tested)
     if (t.held) out.changes.push_back(change_of(t, out.hypotheses[t.hypothesis], before));
   name_exchanges(before, out.changes);
-  std::stable_sort(out.changes.begin(), out.changes.end(),
-                   [](const Change& a, const Change& b) { return a.p < b.p; });
+  std::ranges::stable_sort(out.changes, {}, &Change::p);
   int freedoms = innovation_seen.degrees_of_freedom;
   if (freedoms > 0) out.p = chi_square_tail(out.search.chi2, freedoms);
   for (const TestedChange& t : out.search.tested) freedoms -= t.held ? t.degrees_of_freedom : 0;

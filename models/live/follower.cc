@@ -188,7 +188,7 @@ void Follower::flush_pings() {
 void Follower::carry_on(const Follower& before) {
   const NameTable names = names_of(before.deployment_);
   for (std::size_t v = 0; v < lanes_.size(); ++v) {
-    const auto at = std::find(names.vehicles.begin(), names.vehicles.end(), deployment_.vehicles[v].name);
+    const auto at = std::ranges::find(names.vehicles, deployment_.vehicles[v].name);
     if (at == names.vehicles.end()) continue;
     const Lane& old = before.lanes_[static_cast<std::size_t>(at - names.vehicles.begin())];
     Lane& lane = lanes_[v];

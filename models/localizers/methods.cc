@@ -29,13 +29,12 @@ tl::unexpected<Error> missing(const char* found, const char* expected) {
 }
 
 bool has_motion_prior(const Deployment& deployment) {
-  return std::any_of(deployment.vehicles.begin(), deployment.vehicles.end(),
-                     [](const SiteVehicle& v) { return v.motion.has_value(); });
+  return std::ranges::any_of(deployment.vehicles, [](const SiteVehicle& v) { return v.motion.has_value(); });
 }
 
 bool on_rails(const Deployment& deployment) {
-  return !deployment.vehicles.empty() && std::all_of(deployment.vehicles.begin(), deployment.vehicles.end(),
-                                                     [](const SiteVehicle& v) { return v.rail.has_value(); });
+  return !deployment.vehicles.empty() &&
+         std::ranges::all_of(deployment.vehicles, [](const SiteVehicle& v) { return v.rail.has_value(); });
 }
 
 bool is_drive(const Deployment& deployment, const MeasurementLog& run) {
@@ -108,8 +107,7 @@ std::vector<Fix> locate_by_poses(Localizer& localizer, const Deployment& deploym
       fix.epoch = by_bearings ? observations.bearings.front().epoch : observations.arrivals.front().epoch;
       fixes.push_back(std::move(fix));
     });
-  std::stable_sort(fixes.begin(), fixes.end(),
-                   [](const Fix& a, const Fix& b) { return a.time_s < b.time_s; });
+  std::ranges::stable_sort(fixes, {}, &Fix::time_s);
   return fixes;
 }
 
@@ -196,8 +194,8 @@ Result<void> method_fits(Method method, const Deployment& deployment, const Meas
 
 MethodChoice choose_method(const Deployment& deployment, const MeasurementLog& run,
                            const MethodInput& input) {
-  const bool unlabelled = std::any_of(run.bearings.begin(), run.bearings.end(),
-                                      [](const Bearing& b) { return !b.reflector.valid(); });
+  const bool unlabelled =
+      std::ranges::any_of(run.bearings, [](const Bearing& b) { return !b.reflector.valid(); });
   if (run.arrivals.empty() && unlabelled && method_fits(Method::kReflectors, deployment, run, input))
     return {Method::kReflectors, "unlabelled bearings"};
   if (run.arrivals.empty() && run.bearings.empty() && !run.scans.empty())

@@ -277,9 +277,8 @@ MeasurementLog Recorder::record(std::vector<double>& lateness_s, Random sensor_d
   }
   std::vector<std::size_t> order(log_.arrivals.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return log_.arrivals[a].time_s < log_.arrivals[b].time_s;
-  });
+  std::ranges::stable_sort(
+      order, [&](std::size_t a, std::size_t b) { return log_.arrivals[a].time_s < log_.arrivals[b].time_s; });
   std::vector<Arrival> sorted;
   lateness_s.clear();
   for (const std::size_t i : order) {

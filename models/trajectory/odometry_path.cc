@@ -29,8 +29,7 @@ OdometryPath odometry_path(const MeasurementLog& log, VehicleId vehicle) {
 std::optional<PathPlace> place_at(const OdometryPath& path, double time_s) {
   const auto& times = path.time_s;
   if (times.size() < 2 || time_s < times.front() || time_s > times.back()) return {};
-  const auto after =
-      static_cast<std::size_t>(std::upper_bound(times.begin(), times.end(), time_s) - times.begin());
+  const auto after = static_cast<std::size_t>(std::ranges::upper_bound(times, time_s) - times.begin());
   const std::size_t row = std::min(after, times.size() - 1) - 1;
   const double span = times[row + 1] - times[row];
   return PathPlace{row, span > 0 ? (time_s - times[row]) / span : 0.0};
@@ -59,7 +58,7 @@ bool path_between(const OdometryPath& path, double from_s, double to_s, Odometry
   if (!step) return false;
   o.T_before_after = *step;
   double distance = 0.0, heading = 0.0;
-  const auto first = std::upper_bound(path.time_s.begin(), path.time_s.end(), from_s) - path.time_s.begin();
+  const auto first = std::ranges::upper_bound(path.time_s, from_s) - path.time_s.begin();
   for (auto k = static_cast<std::size_t>(first); k < path.time_s.size() && path.time_s[k - 1] < to_s; ++k) {
     distance += path.distance_variance_m2[k];
     heading += path.heading_variance_rad2[k];

@@ -13,8 +13,7 @@ constexpr double kStandsStill = 0.1;
 }  // namespace
 
 StateKind state_kind(const MeasurementLog& log, VehicleId vehicle, const TrajectoryModel& model) {
-  const auto rows = std::count_if(log.odometry.begin(), log.odometry.end(),
-                                  [vehicle](const OdometryStep& s) { return s.vehicle == vehicle; });
+  const auto rows = std::ranges::count(log.odometry, vehicle, &OdometryStep::vehicle);
   const bool has_odometry = rows >= 2;
   if (log.has_epochs) return has_odometry ? StateKind::kChainedStops : StateKind::kStops;
   if (has_odometry) return StateKind::kDrive;

@@ -136,7 +136,7 @@ class Builder {
   /// The numbers of the epochs rise with time, so that an epoch is where its number is: most logs, and no
   /// look-up.
   [[nodiscard]] bool epochs_rise() const {
-    return std::is_sorted(arrivals_.begin(), arrivals_.end(), [this](std::size_t a, std::size_t b) {
+    return std::ranges::is_sorted(arrivals_, [this](std::size_t a, std::size_t b) {
       return log_.arrivals[a].epoch < log_.arrivals[b].epoch;
     });
   }
@@ -202,8 +202,7 @@ class Builder {
     }
     for (const std::size_t i : bearings_)
       if (const auto at = place_at(path_, log_.bearings[i].time_s)) add_bearing(i, at->row, at->alpha);
-    std::stable_sort(t_.arrivals.begin(), t_.arrivals.end(),
-                     [](const auto& a, const auto& b) { return a.node < b.node; });
+    std::ranges::stable_sort(t_.arrivals, [](const auto& a, const auto& b) { return a.node < b.node; });
     for (const TimedPose& pose : log_.poses) {
       const auto at = place_at(path_, pose.time_s);
       if (log_.vehicle != t_.vehicle || !at) continue;
@@ -313,8 +312,7 @@ class Builder {
 
 bool interpolate_poses(const std::vector<TimedPose>& poses, double time_s, double max_gap_s,
                        Pose& T_map_vehicle) {
-  const auto after = std::lower_bound(poses.begin(), poses.end(), time_s,
-                                      [](const TimedPose& p, double t) { return p.time_s < t; });
+  const auto after = std::ranges::lower_bound(poses, time_s, {}, &TimedPose::time_s);
   if (after == poses.end()) return false;
   if (after->time_s == time_s) {
     T_map_vehicle = after->T_map_vehicle;

@@ -17,9 +17,8 @@ constexpr double kLeastRatio = 1.5;
 std::string cells(const NamedMap& map, const std::vector<double>& limits, std::size_t wanted,
                   const PlanFrame& frame) {
   const auto class_of = [&](double v) {
-    return std::isfinite(v)
-               ? static_cast<std::size_t>(std::upper_bound(limits.begin(), limits.end(), v) - limits.begin())
-               : limits.size() + 1;
+    return std::isfinite(v) ? static_cast<std::size_t>(std::ranges::upper_bound(limits, v) - limits.begin())
+                            : limits.size() + 1;
   };
   std::string path;
   const double side_px = map.cell_m * frame.px_per_m;
@@ -51,10 +50,9 @@ std::vector<double> map_classes(const NamedMap& map) {
   }
   if (!map.limits.empty()) return map.limits;
   std::vector<double> values;
-  std::copy_if(map.values.begin(), map.values.end(), std::back_inserter(values),
-               [](double v) { return std::isfinite(v); });
+  std::ranges::copy_if(map.values, std::back_inserter(values), [](double v) { return std::isfinite(v); });
   if (values.empty()) return {};
-  std::sort(values.begin(), values.end());
+  std::ranges::sort(values);
   // What is far beyond the rest would take all classes for itself.
   const double low = values.front();
   double high = values[static_cast<std::size_t>(0.95 * static_cast<double>(values.size() - 1))];

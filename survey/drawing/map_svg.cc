@@ -125,7 +125,7 @@ void draw_classes(std::string& svg, const BinnedMap& map, const Frame& frame, do
                        left + each * static_cast<double>(k), y, each + 0.3, kToleranceColours[k]);
   // Room for three: half of it, the tolerance, twice that.
   for (const double part : {0.5, 1.0, 2.0}) {
-    const auto at = std::find(kToleranceParts.begin(), kToleranceParts.end(), part);
+    const auto at = std::ranges::find(kToleranceParts, part);
     const double x = end_of(static_cast<std::size_t>(at - kToleranceParts.begin()));
     svg += fmt::format("\n<text x='{:.1f}' y='{:.1f}' text-anchor='middle'>{}{}</text>", x, y + 21,
                        part == 1.0 ? "tolerance " : "", figure_text(part * map.high, map.unit));

@@ -141,8 +141,7 @@ void draw_beacons(std::string& svg, const Deployment& deployment, const PlanFram
 void draw_moves(std::string& svg, const PlanInput& input, const PlanFrame& frame) {
   const double scale_px = move_exaggeration(input, frame.extent_m()) * frame.px_per_m;
   for (const PlanMove& move : input.moves) {
-    const auto beacon = std::find_if(input.deployment.beacons.begin(), input.deployment.beacons.end(),
-                                     [&](const DeploymentBeacon& b) { return b.name == move.beacon; });
+    const auto beacon = std::ranges::find(input.deployment.beacons, move.beacon, &DeploymentBeacon::name);
     if (beacon == input.deployment.beacons.end() || !is_drawn(*beacon)) continue;
     const Eigen::Vector2d way_px = Eigen::Vector2d(move.shift_m.x(), -move.shift_m.y()) * scale_px;
     const double length_px = way_px.norm();
@@ -175,8 +174,7 @@ void draw_misses(std::string& svg, const PlanInput& input, const PlanFrame& fram
   std::vector<MissPlace> places;
   std::size_t most = 1;
   for (const PlanMiss& miss : input.misses) {
-    const auto beacon = std::find_if(input.deployment.beacons.begin(), input.deployment.beacons.end(),
-                                     [&](const DeploymentBeacon& b) { return b.name == miss.beacon; });
+    const auto beacon = std::ranges::find(input.deployment.beacons, miss.beacon, &DeploymentBeacon::name);
     if (beacon != input.deployment.beacons.end() && is_drawn(*beacon))
       svg += fmt::format("<path class='{}' d='M{:.1f} {:.1f}L{:.1f} {:.1f}' stroke-width='{:.1f}'/>\n",
                          miss_class(miss), frame.x(miss.at_m.x()), frame.y(miss.at_m.y()),
@@ -218,12 +216,11 @@ double draw_legend(std::string& svg, const PlanInput& input, const PlanFrame& fr
     x += 34 + 6.4 * static_cast<double>(text.size());
   };
   const auto any = [&](BeaconStatus status) {
-    return std::any_of(input.deployment.beacons.begin(), input.deployment.beacons.end(),
-                       [&](const auto& b) { return b.status == status; });
+    return std::ranges::any_of(input.deployment.beacons, [&](const auto& b) { return b.status == status; });
   };
   const auto tracked = [&](bool moving) {
-    return std::any_of(input.tracks.begin(), input.tracks.end(),
-                       [&](const auto& t) { return t.moving == moving && !t.points_m.empty(); });
+    return std::ranges::any_of(input.tracks,
+                               [&](const auto& t) { return t.moving == moving && !t.points_m.empty(); });
   };
   svg += "<g class='legend'>\n";
   if (any(BeaconStatus::kCalibrated)) entry(mark(BeaconStatus::kCalibrated, x, y), "calibrated beacon");

@@ -79,7 +79,7 @@ std::optional<std::pair<std::size_t, std::size_t>> self_crossing(const Polygon& 
 }
 
 Polygon convex_hull(std::vector<Vector2d> points) {
-  std::sort(points.begin(), points.end(), [](const Vector2d& a, const Vector2d& b) {
+  std::ranges::sort(points, [](const Vector2d& a, const Vector2d& b) {
     return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
   });
   Polygon hull;
@@ -90,7 +90,7 @@ Polygon convex_hull(std::vector<Vector2d> points) {
       hull.push_back(p);
     }
     if (!hull.empty()) hull.pop_back();
-    std::reverse(points.begin(), points.end());
+    std::ranges::reverse(points);
   }
   return hull;
 }

@@ -27,7 +27,7 @@ tl::unexpected<Error> bad(const Scene& scene, int line, std::string found, std::
 std::string at(const Eigen::Vector2d& p) { return fmt::format("({:.10g}, {:.10g})", p.x(), p.y()); }
 
 bool finite(const Points& points) {
-  return std::all_of(points.begin(), points.end(), [](const Eigen::Vector2d& p) { return p.allFinite(); });
+  return std::ranges::all_of(points, [](const Eigen::Vector2d& p) { return p.allFinite(); });
 }
 
 Result<void> check_outline(const Scene& scene, const std::string& name, const Points& points, int line) {

@@ -66,7 +66,7 @@ std::size_t add_pattern(BeamPattern pattern, SurveyModel& model) {
     return p.kind == pattern.kind && p.half_angle_rad == pattern.half_angle_rad &&
            p.half_power_angle_rad == pattern.half_power_angle_rad;
   };
-  const auto found = std::find_if(model.patterns.begin(), model.patterns.end(), alike);
+  const auto found = std::ranges::find_if(model.patterns, alike);
   const auto index = static_cast<std::size_t>(found - model.patterns.begin());
   if (found == model.patterns.end()) model.patterns.push_back(std::move(pattern));
   return index;
@@ -91,11 +91,9 @@ Result<void> apply_patterns(const SiteOrDeployment& common, const Scene& scene, 
   for (SurveyBeacon& beacon : model.beacons)
     if (scene.beacon_pattern && !beacon.axis.isZero()) beacon.pattern = *scene.beacon_pattern;
   for (const SceneBeacon& described : scene.beacons) {
-    const auto found = std::find_if(model.beacons.begin(), model.beacons.end(),
-                                    [&](const SurveyBeacon& b) { return b.name == described.name; });
+    const auto found = std::ranges::find(model.beacons, described.name, &SurveyBeacon::name);
     if (found == model.beacons.end()) {
-      if (std::find(common.left_out.begin(), common.left_out.end(), described.name) != common.left_out.end())
-        continue;
+      if (std::ranges::find(common.left_out, described.name) != common.left_out.end()) continue;
       return fail({.file = scene.path,
                    .line = described.line,
                    .found = fmt::format("scene: beacon '{}' is not in the site", described.name),

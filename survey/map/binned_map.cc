@@ -63,7 +63,7 @@ Rgb colour_of(const BinnedMap& map, std::size_t at) {
   if (map.bins[at] == BinnedMap::Bin::kEmpty) return kGrey;
   const double part = (map.values[at] - map.low) / (map.high - map.low);
   if (map.against_tolerance) {
-    const auto end = std::upper_bound(kToleranceParts.begin(), kToleranceParts.end(), part);
+    const auto end = std::ranges::upper_bound(kToleranceParts, part);
     return rgb_of(kToleranceColours[static_cast<std::size_t>(end - kToleranceParts.begin())]);
   }
   constexpr std::size_t kLast = kMapColours.size() - 1;

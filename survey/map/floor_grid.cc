@@ -32,7 +32,7 @@ void mark_inside(const Polygon& polygon, const FloorGrid& grid, std::uint8_t val
       if ((a.y() > y) != (b.y() > y))
         crossings.push_back((b.x() - a.x()) * (y - a.y()) / (b.y() - a.y()) + a.x());
     }
-    std::sort(crossings.begin(), crossings.end());
+    std::ranges::sort(crossings);
     for (std::size_t k = 0; k + 1 < crossings.size(); k += 2) {
       const auto column = [&](double x) {  // first one with its centre beyond x
         return static_cast<std::size_t>(std::clamp(std::ceil((x - grid.origin_m.x()) / grid.cell_m - 0.5),
@@ -73,7 +73,7 @@ Result<FloorGrid> make_floor_grid(const SurveyModel& model, const Scene& scene, 
   mark_inside(model.floor_m, grid, 1, mask);
   for (const SceneWall& wall : scene.walls)
     if (wall.solid && wall.blocks_vehicle) mark_inside(wall.points_m, grid, 0, mask);
-  grid.cells.reserve(static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1)));
+  grid.cells.reserve(static_cast<std::size_t>(std::ranges::count(mask, 1)));
   for (std::size_t block_row = 0; block_row < grid.rows; block_row += kBlockRows)
     for (std::size_t block = 0; block < grid.columns; block += kBlockColumns)
       for (std::size_t row = block_row; row < std::min(grid.rows, block_row + kBlockRows); ++row)

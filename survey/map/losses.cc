@@ -72,7 +72,7 @@ void LossAccount::add(const KernelModel& kernel, const KernelTile& tile, const C
   const std::size_t entries = static_cast<std::size_t>(kernel.unknowns.entries()),
                     size = entries * kTilePoses;
   alignas(64) double before[kTilePoses], after[kTilePoses];
-  std::fill(total_.begin(), total_.end(), 0.0);
+  std::ranges::fill(total_, 0.0);
   std::vector<std::size_t> here;
   for (std::size_t b = 0; b < beacons_; ++b) {
     if (tile.skip[b]) continue;
@@ -85,7 +85,7 @@ void LossAccount::add(const KernelModel& kernel, const KernelTile& tile, const C
   sigma_of_packed(unknowns, total_.data(), nullptr, nullptr, kTilePoses, tile.count, before);
   std::copy(before, before + tile.count, cells.one_m.begin());
   std::copy(before, before + tile.count, cells.two_m.begin());
-  std::fill(cells.one_beacon.begin(), cells.one_beacon.end(), -1);
+  std::ranges::fill(cells.one_beacon, -1);
   for (std::size_t k = 0; k < here.size(); ++k) {
     const std::size_t a = here[k];
     const double* of_a = layers_.data() + a * size;
@@ -117,7 +117,7 @@ void LossAccount::add(const KernelModel& kernel, const KernelTile& tile, const C
     for (std::size_t i = 0; i < tile.count; ++i)
       if (heard_[a * kTilePoses + i] <= 0) after[i] = before[i];
     for (std::size_t b = 0; b < beacons_; ++b)
-      if (std::find(here.begin(), here.end(), b) == here.end())
+      if (std::ranges::find(here, b) == here.end())
         count(before, after, cells, tile.count, pairs_[pair_index(std::min(a, b), std::max(a, b))]);
   }
 }
@@ -129,15 +129,15 @@ void LossAccount::merge(const LossAccount& other) {
 
 std::vector<Loss> LossAccount::singles() const {
   std::vector<Loss> sorted = singles_;
-  std::stable_sort(sorted.begin(), sorted.end(), matters_more);
+  std::ranges::stable_sort(sorted, matters_more);
   return sorted;
 }
 
 std::vector<Loss> LossAccount::pairs(std::size_t most) const {
   std::vector<Loss> sorted;
-  std::copy_if(pairs_.begin(), pairs_.end(), std::back_inserter(sorted),
-               [](const Loss& loss) { return loss.spread_ppm > 0; });
-  std::stable_sort(sorted.begin(), sorted.end(), matters_more);
+  std::ranges::copy_if(pairs_, std::back_inserter(sorted),
+                       [](const Loss& loss) { return loss.spread_ppm > 0; });
+  std::ranges::stable_sort(sorted, matters_more);
   sorted.resize(std::min(most, sorted.size()));
   return sorted;
 }

@@ -80,9 +80,9 @@ class FloorMapTask {
   void look_closer(const PoseList& poses, std::size_t first, std::size_t count) {
     const bool calibrated = calibration_ != nullptr && !calibration_->exact();
     const bool mirrors = options_.integrity && model_.motion == Motion::kPlanar;
-    std::fill(systematic_.begin(), systematic_.end(), SystematicPart{});
-    std::fill(other_m2_.begin(), other_m2_.end(), 0.0);
-    std::fill(mask_.begin(), mask_.end(), 0);
+    std::ranges::fill(systematic_, SystematicPart{});
+    std::ranges::fill(other_m2_, 0.0);
+    std::ranges::fill(mask_, 0);
     if (!calibrated && !mirrors) return;
     for (std::size_t i = 0; i < count; ++i) {
       const PoseAt pose{poses.x_m[first + i], poses.y_m[first + i], poses.z_m[first + i],
@@ -232,9 +232,7 @@ void sum_up(const std::vector<FloorMap*>& maps, Survey& survey) {
   for (FloorMap& map : survey.maps) map.spread = spread_of(map.values);
   const auto cells = static_cast<double>(survey.grid.cells.size());
   const auto fraction = [&](const FloorMap* map, auto holds) {
-    return map == nullptr
-               ? 0.0
-               : static_cast<double>(std::count_if(map->values.begin(), map->values.end(), holds)) / cells;
+    return map == nullptr ? 0.0 : static_cast<double>(std::ranges::count_if(map->values, holds)) / cells;
   };
   survey.fix_fraction = fraction(maps[kMapSigma], [](float v) { return v < kNoMapValue; });
   survey.k_covered_fraction =
@@ -281,8 +279,7 @@ Spread spread_of(std::vector<float> values) {
 }
 
 const FloorMap* Survey::find(const std::string& name) const {
-  const auto found =
-      std::find_if(maps.begin(), maps.end(), [&](const FloorMap& map) { return map.name == name; });
+  const auto found = std::ranges::find(maps, name, &FloorMap::name);
   return found == maps.end() ? nullptr : &*found;
 }
 

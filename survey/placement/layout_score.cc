@@ -19,7 +19,7 @@ constexpr double kSoftPower = 8.0;  ///< soft() has it in multiplications
 double quantile_in_place(std::vector<double>& values, double share) {
   const auto at =
       values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
+  std::ranges::nth_element(values, at);
   return *at;
 }
 
@@ -146,11 +146,11 @@ LayoutFigures LayoutScore::figures(std::span<const double> sigma_m, std::span<co
   f.mean_with_uncovered_m = mean(errors_);
   if (!covered_.empty()) {
     f.mean_m = mean(covered_);
-    f.worst_m = *std::max_element(covered_.begin(), covered_.end());
+    f.worst_m = *std::ranges::max_element(covered_);
     f.p95_m = quantile_in_place(covered_, kP95);
   }
   switch (options_.goal) {
-    case PlacementGoal::kWorst: f.objective_m = *std::max_element(errors_.begin(), errors_.end()); break;
+    case PlacementGoal::kWorst: f.objective_m = *std::ranges::max_element(errors_); break;
     case PlacementGoal::kP95: {
       std::vector<double> sorted = errors_;
       f.objective_m = quantile_in_place(sorted, kP95);

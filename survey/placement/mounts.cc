@@ -86,7 +86,7 @@ void MountSpace::add(const SceneMount& mount) {
 }
 
 std::size_t MountSpace::piece_of(double along) const {
-  const auto at = std::upper_bound(ends_.begin(), ends_.end(), along);
+  const auto at = std::ranges::upper_bound(ends_, along);
   return std::min(static_cast<std::size_t>(at - ends_.begin()), pieces_.size() - 1);
 }
 

@@ -65,7 +65,7 @@ LayoutFigures median_random(const MountSpace& mounts, const std::vector<SurveyBe
   std::vector<LayoutFigures> all;
   for (std::size_t i = 0; i < kRandomLayouts; ++i)
     all.push_back(score.of(beacons_at(mounts, kept, mounts.random(count, draws))));
-  std::nth_element(all.begin(), all.begin() + kRandomLayouts / 2, all.end(), better);
+  std::ranges::nth_element(all, all.begin() + kRandomLayouts / 2, better);
   return all[kRandomLayouts / 2];
 }
 
@@ -73,8 +73,7 @@ LayoutFigures median_random(const MountSpace& mounts, const std::vector<SurveyBe
 std::string next_name(const SurveyModel& model, std::size_t& number) {
   for (;; ++number) {
     std::string name = fmt::format("B{}", number);
-    if (std::none_of(model.beacons.begin(), model.beacons.end(),
-                     [&](const SurveyBeacon& b) { return b.name == name; })) {
+    if (std::ranges::none_of(model.beacons, [&](const SurveyBeacon& b) { return b.name == name; })) {
       ++number;
       return name;
     }
@@ -116,8 +115,8 @@ PoseList worst_poses(const LayoutScore& score, std::size_t count) {
   std::vector<std::size_t> order(errors.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   count = std::min(count, order.size());
-  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end(),
-                    [&](std::size_t a, std::size_t b) { return errors[a] > errors[b]; });
+  std::ranges::partial_sort(order, order.begin() + static_cast<std::ptrdiff_t>(count),
+                            [&](std::size_t a, std::size_t b) { return errors[a] > errors[b]; });
   PoseList poses;
   const PoseList& all = score.poses();
   for (std::size_t k = 0; k < count; ++k)

@@ -297,7 +297,7 @@ class LayoutSearch {
     auto ranked = result_.layouts;
     std::vector<std::pair<double, std::size_t>> order;
     for (std::size_t i = 0; i < ranked.size(); ++i) order.emplace_back(nlopt_.value_of(ranked[i]), i);
-    std::sort(order.begin(), order.end());
+    std::ranges::sort(order);
     const std::size_t most = std::min(kDescents, order.size());
     for (std::size_t i = 0; i < most && !nlopt_.interrupted(); ++i) {
       nlopt_.set_stage(0.3 + 0.3 * static_cast<double>(i) / static_cast<double>(most),

@@ -73,8 +73,8 @@ std::size_t greedy_clique(const FiringPlan& plan) {
   for (std::size_t first = 0; first < plan.beacons; ++first) {
     std::vector<std::size_t> clique = {first};
     for (std::size_t b = 0; b < plan.beacons; ++b)
-      if (b != first && std::all_of(clique.begin(), clique.end(),
-                                    [&](std::size_t c) { return plan.between(b, c) == Sharing::kConfused; }))
+      if (b != first && std::ranges::all_of(
+                            clique, [&](std::size_t c) { return plan.between(b, c) == Sharing::kConfused; }))
         clique.push_back(b);
     largest = std::max(largest, clique.size());
   }
@@ -107,8 +107,8 @@ std::vector<std::vector<std::size_t>> colour(const FiringPlan& plan) {
     for (std::size_t b = 0; b < n; ++b)
       if (b != next && plan.between(next, b) == Sharing::kConfused) taken[b].insert(group);
   }
-  for (auto& group : groups) std::sort(group.begin(), group.end());
-  std::sort(groups.begin(), groups.end());
+  for (auto& group : groups) std::ranges::sort(group);
+  std::ranges::sort(groups);
   return groups;
 }
 

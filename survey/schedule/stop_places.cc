@@ -27,7 +27,7 @@ Result<StopPlaces> stop_places(const SurveyModel& model, const Scene& scene, dou
     if (wall.solid && wall.blocks_vehicle) in_the_way.push_back(wall.points_m);
   stops.may_stop = [floor = model.floor_m, in_the_way, clearance_m](const Eigen::Vector2d& p) {
     if (!is_inside(floor, p) || distance_to_outline_m(floor, p) < clearance_m) return false;
-    return std::none_of(in_the_way.begin(), in_the_way.end(), [&](const Polygon& o) {
+    return std::ranges::none_of(in_the_way, [&](const Polygon& o) {
       return is_inside(o, p) || distance_to_outline_m(o, p) < clearance_m;
     });
   };

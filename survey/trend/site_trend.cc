@@ -33,7 +33,7 @@ std::vector<std::string> names_in_order(const std::vector<CalibrationRecord>& re
   std::vector<std::string> names;
   for (const CalibrationRecord& record : records)
     for (const DeploymentBeacon& b : record.beacons)
-      if (std::find(names.begin(), names.end(), b.name) == names.end()) names.push_back(b.name);
+      if (std::ranges::find(names, b.name) == names.end()) names.push_back(b.name);
   return names;
 }
 
@@ -55,8 +55,8 @@ std::vector<TrendValue> speed_series(const std::vector<CalibrationRecord>& recor
 }
 
 bool says_something(const std::vector<TrendValue>& values) {
-  return std::any_of(values.begin(), values.end(),
-                     [&](const TrendValue& v) { return v.sigma > 0.0 || v.value != values.front().value; });
+  return std::ranges::any_of(
+      values, [&](const TrendValue& v) { return v.sigma > 0.0 || v.value != values.front().value; });
 }
 
 /// Half of the largest distance between two beacons, at least a metre: how far sound typically has to go.
@@ -101,8 +101,8 @@ void begin_anew_together(const std::vector<std::vector<TrendValue>>& series, con
         moved_s = std::max(moved_s, begins_s(other.chart));
     if (!(moved_s > begins_s(q.chart))) continue;
     std::vector<TrendValue> since;
-    std::copy_if(series[i].begin(), series[i].end(), std::back_inserter(since),
-                 [moved_s](const TrendValue& v) { return v.time_s >= moved_s; });
+    std::ranges::copy_if(series[i], std::back_inserter(since),
+                         [moved_s](const TrendValue& v) { return v.time_s >= moved_s; });
     q.chart.drift = control_chart(since, options.cusum_k, trend.cusum_h, smallest_sigma(q.quantity)).drift;
   }
 }

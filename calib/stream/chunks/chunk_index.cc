@@ -165,7 +165,7 @@ Result<void> ChunkIndex::read(const ArrivalSource& source, std::size_t run, std:
   arrivals.clear();
   if (auto ok = source.read(run, first, last, arrivals); !ok) return ok;
   const std::vector<StateKind>& kinds = kinds_[run];
-  if (std::find(kinds.begin(), kinds.end(), StateKind::kDrive) != kinds.end())
+  if (std::ranges::find(kinds, StateKind::kDrive) != kinds.end())
     std::erase_if(arrivals, [&](const Arrival& a) { return kinds[a.vehicle.index()] == StateKind::kDrive; });
   // Groups that began before are another chunk's,
   for (std::size_t k = r.first_open[first]; k < r.first_open[first + 1]; ++k) {
@@ -185,7 +185,7 @@ Result<void> ChunkIndex::read(const ArrivalSource& source, std::size_t run, std:
   const auto own = static_cast<std::ptrdiff_t>(arrivals.size());
   if (auto ok = source.read(run, last, until, arrivals); !ok) return ok;
   const auto others = [&](const Arrival& a) {
-    return std::none_of(going_on.begin(), going_on.end(), [&](const SplitGroup* s) { return s->has(a); });
+    return std::ranges::none_of(going_on, [&](const SplitGroup* s) { return s->has(a); });
   };
   arrivals.erase(std::remove_if(arrivals.begin() + own, arrivals.end(), others), arrivals.end());
   return {};

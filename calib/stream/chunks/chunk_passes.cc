@@ -75,8 +75,7 @@ Result<void> ChunkPasses::load(std::size_t chunk, ChunkWork& w) const {
   if (w.chunk == nullptr || w.chunk->run != c.run) {
     begin_run(run, w.log);
     w.log.poses = run.poses;
-    if (std::find(kinds.begin(), kinds.end(), StateKind::kChainedStops) != kinds.end())
-      w.log.odometry = run.odometry;
+    if (std::ranges::find(kinds, StateKind::kChainedStops) != kinds.end()) w.log.odometry = run.odometry;
   }
   w.chunk = &c;
   if (auto ok = index_.read(task_.source, c.run, c.first_block, c.last_block, w.log.arrivals); !ok) return ok;
@@ -187,7 +186,7 @@ Result<void> ChunkPasses::gather(const Estimate& estimate, FindingsGatherer& gat
 void ChunkPasses::gather_trajectory(const ChunkWork& w, const Trajectory& t, const float* start_heading_rad,
                                     const FindingsGatherer& gatherer, std::vector<double>& buffer) const {
   const std::size_t before = w.chunk->states_before[t.vehicle.index()], stride = gatherer.stride();
-  const bool cut = stride > 1 && std::any_of(t.segments.begin(), t.segments.end(), is_long_chain);
+  const bool cut = stride > 1 && std::ranges::any_of(t.segments, is_long_chain);
   const std::vector<Segment> stretches = cut ? with_chains_cut(t) : std::vector<Segment>();
   const std::vector<Segment>& all = cut ? stretches : t.segments;
   std::vector<Segment> some;

@@ -13,7 +13,7 @@ StateBearings::StateBearings(const std::vector<Bearing>& bearings, std::vector<S
   for (std::size_t i = 0; i < bearings.size(); ++i)
     if (kinds_[bearings[i].vehicle.index()] == StateKind::kStops)
       rows_.emplace_back(bearings[i].vehicle, bearings[i].epoch, i);
-  std::sort(rows_.begin(), rows_.end());
+  std::ranges::sort(rows_);
 }
 
 std::vector<std::size_t> StateBearings::of_states_in(const std::vector<Arrival>& arrivals) const {
@@ -23,13 +23,13 @@ std::vector<std::size_t> StateBearings::of_states_in(const std::vector<Arrival>&
   for (const Arrival& a : arrivals) {
     if (before != nullptr && a.vehicle == before->vehicle && a.epoch == before->epoch) continue;
     before = &a;
-    for (auto row = std::lower_bound(rows_.begin(), rows_.end(), Row(a.vehicle, a.epoch, 0));
+    for (auto row = std::ranges::lower_bound(rows_, Row(a.vehicle, a.epoch, 0));
          row != rows_.end() && std::get<0>(*row) == a.vehicle && std::get<1>(*row) == a.epoch; ++row)
       numbers.push_back(std::get<2>(*row));
   }
   for (std::size_t v = 0; v < kinds_.size(); ++v)
     if (kinds_[v] != StateKind::kStops) add_near(VehicleId(v), arrivals, numbers);
-  std::sort(numbers.begin(), numbers.end());
+  std::ranges::sort(numbers);
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
   return numbers;
 }
@@ -45,8 +45,7 @@ void StateBearings::add_near(VehicleId vehicle, const std::vector<Arrival>& arri
   }
   if (from_s > until_s) return;
   if (kinds_[vehicle.index()] == StateKind::kChainedStops) from_s = -INFINITY, until_s = INFINITY;
-  const auto first = std::lower_bound(bearings_.begin(), bearings_.end(), from_s,
-                                      [](const Bearing& b, double time_s) { return b.time_s < time_s; });
+  const auto first = std::ranges::lower_bound(bearings_, from_s, {}, &Bearing::time_s);
   for (auto b = first; b != bearings_.end() && b->time_s <= until_s; ++b)
     if (b->vehicle == vehicle) numbers.push_back(static_cast<std::size_t>(b - bearings_.begin()));
 }

@@ -62,7 +62,7 @@ Result<MeasurementLog> subsample_of_drives(std::size_t run, const Site& site, co
   }
   for (const Bearing& b : log.bearings)
     if (chosen_keys.count({b.vehicle, of_run.key_at(b.time_s)}) > 0) sample.bearings.push_back(b);
-  std::sort(spans.begin(), spans.end());
+  std::ranges::sort(spans);
   sample.odometry = subsampled_odometry(log.odometry, spans);
   sample.poses = poses_near(log.poses, spans);
   return sample;

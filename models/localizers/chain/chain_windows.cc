@@ -160,9 +160,8 @@ std::vector<bool> solve_by_windows(const Trajectory& t, const Segment& segment, 
     for (const VariantSolver& solver : solvers)
       if (solver.is_determined()) solver.visit();
   }
-  std::vector<bool> determined(solvers.size());
-  std::transform(solvers.begin(), solvers.end(), determined.begin(),
-                 [](const VariantSolver& solver) { return solver.is_determined(); });
+  std::vector<bool> determined;
+  for (const VariantSolver& solver : solvers) determined.push_back(solver.is_determined());
   return determined;
 }
 

@@ -31,8 +31,7 @@ CorrelatedArrivals::CorrelatedArrivals(Trajectory& t, const Segment& segment, co
     const ArrivalObservation& a = t.arrivals[i];
     return std::make_tuple(a.beacon.index(), a.receiver.index(), a.time_s, i);
   };
-  std::sort(by_pair_.begin(), by_pair_.end(),
-            [&key](std::size_t a, std::size_t b) { return key(a) < key(b); });
+  std::ranges::sort(by_pair_, [&key](std::size_t a, std::size_t b) { return key(a) < key(b); });
 }
 
 void CorrelatedArrivals::weigh() {

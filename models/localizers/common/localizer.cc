@@ -35,13 +35,13 @@ bool Localizer::knows(const Bearing& bearing) const noexcept { return is_known(b
 
 void Localizer::locate(const Observations& observations, Fix& fix) noexcept {
   const auto known = [this](const auto& row) { return knows(row) && is_possible(row); };
-  const bool all_arrivals = std::all_of(observations.arrivals.begin(), observations.arrivals.end(), known);
-  const bool all_bearings = std::all_of(observations.bearings.begin(), observations.bearings.end(), known);
+  const bool all_arrivals = std::ranges::all_of(observations.arrivals, known);
+  const bool all_bearings = std::ranges::all_of(observations.bearings, known);
   if (all_arrivals && all_bearings) return locate_known(observations, fix);
 
   const auto keep = [&known](const auto& rows, auto& kept) {
     kept.clear();
-    std::copy_if(rows.begin(), rows.end(), std::back_inserter(kept), known);
+    std::ranges::copy_if(rows, std::back_inserter(kept), known);
   };
   keep(observations.arrivals, known_arrivals_);
   keep(observations.bearings, known_bearings_);
@@ -67,9 +67,8 @@ void Localizer::locate(const Observations& observations, Fix& fix) noexcept {
 }
 
 std::size_t usable_beacons(const Deployment& deployment) {
-  return static_cast<std::size_t>(
-      std::count_if(deployment.beacons.begin(), deployment.beacons.end(),
-                    [](const DeploymentBeacon& b) { return b.status != BeaconStatus::kUndetermined; }));
+  return static_cast<std::size_t>(std::ranges::count_if(
+      deployment.beacons, [](const DeploymentBeacon& b) { return b.status != BeaconStatus::kUndetermined; }));
 }
 
 tl::unexpected<Error> MisfitOf::operator()(std::string found, std::string expected) const {
@@ -92,8 +91,8 @@ const MeasurementLog& known_rows(const MeasurementLog& log, const Deployment& de
            !std::isfinite(a.time_s);
   };
   const auto strange_bearing = [&](const Bearing& b) { return !is_known(b, deployment.beacons.size()); };
-  if (std::none_of(log.arrivals.begin(), log.arrivals.end(), strange_arrival) &&
-      std::none_of(log.bearings.begin(), log.bearings.end(), strange_bearing))
+  if (std::ranges::none_of(log.arrivals, strange_arrival) &&
+      std::ranges::none_of(log.bearings, strange_bearing))
     return log;
   room = log;
   std::erase_if(room.arrivals, strange_arrival);

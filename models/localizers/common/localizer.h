@@ -44,8 +44,7 @@ void begin_fix(std::span<const Row> rows, Fix& fix) {
 
 /// Counts what a fix's rejections leave in use.
 inline void count_rejections(Fix& fix) {
-  fix.arrivals_used =
-      static_cast<int>(std::count(fix.rejections.begin(), fix.rejections.end(), Rejection::kUsed));
+  fix.arrivals_used = static_cast<int>(std::ranges::count(fix.rejections, Rejection::kUsed));
   fix.arrivals_rejected = static_cast<int>(fix.rejections.size()) - fix.arrivals_used;
 }
 

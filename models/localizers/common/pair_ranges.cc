@@ -90,7 +90,7 @@ std::span<PairRange> PairRanges::collect(std::span<const Arrival> arrivals, cons
   pairs_.clear();
   reduce(arrivals, deployment, rejections);
   next_.assign(arrivals.size(), -1);
-  std::fill(slots_.begin(), slots_.end(), Slot{});
+  std::ranges::fill(slots_, Slot{});
   for (std::size_t i = 0; i < arrivals.size(); ++i) {
     if (rejections[i] != Rejection::kUsed) continue;
     Slot& slot = slots_[arrivals[i].beacon.index() * receivers_ + arrivals[i].receiver.index()];

@@ -36,8 +36,8 @@ RangePropagation::RangePropagation(const Deployment& deployment)
 void RangePropagation::clear() {
   noise_.setZero();
   by_speed_.setZero();
-  std::fill(beacons_.begin(), beacons_.end(), Shared{});
-  std::fill(receivers_.begin(), receivers_.end(), Shared{});
+  std::ranges::fill(beacons_, Shared{});
+  std::ranges::fill(receivers_, Shared{});
 }
 
 void RangePropagation::add(const Eigen::Vector3d& gain, const PairRange& pair, const Pose& T_map_vehicle,

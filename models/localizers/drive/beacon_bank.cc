@@ -46,7 +46,7 @@ BeaconBankOf<kDof>::BeaconBankOf(const EpochFixModel& model, double gate_sigmas,
 template <int kDof>
 void BeaconBankOf<kDof>::start() {
   for (Slot& slot : slots_) slot.beacon = BeaconId();
-  std::fill(excluded_.begin(), excluded_.end(), 0);
+  std::ranges::fill(excluded_, 0);
   heard_ = too_many_until_ = 0;
 }
 
@@ -123,9 +123,8 @@ void BeaconBankOf<kDof>::exclude(Slot& slot, Filter& filter) {
 
 template <int kDof>
 double BeaconBankOf<kDof>::protection_level_m(Filter& filter) {
-  const auto heard = std::count_if(slots_.begin(), slots_.end(), [this](const Slot& slot) {
-    return slot.beacon.valid() && heard_ - slot.heard < kRecent;
-  });
+  const auto heard = std::ranges::count_if(
+      slots_, [this](const Slot& slot) { return slot.beacon.valid() && heard_ - slot.heard < kRecent; });
   if (heard <= kTooFewBeacons<kDof>) return 0.0;
   double worst_m = 0.0, worst_sigmas = kAtFaultSigmas;
   bool all_found = true;

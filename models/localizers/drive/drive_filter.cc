@@ -82,7 +82,7 @@ void DriveFilterOf<kDof>::start(const Pose& T_map_vehicle, const Covariance& cov
   T_map_vehicle_ = T_map_vehicle;
   covariance_ = covariance;
   acceptance_ = 1.0;
-  std::fill(recent_.begin(), recent_.end(), Recent{});
+  std::ranges::fill(recent_, Recent{});
   cross_.setZero();
   pair_cross_.setZero();
   if (by == nullptr || calibration_ == nullptr) return;

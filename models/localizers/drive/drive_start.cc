@@ -99,8 +99,7 @@ double independent_uncertainty_m(const Trajectory& t, const Segment& segment, co
   const double arrivals = static_cast<double>(segment.last_arrival - segment.first_arrival);
   const double share = std::min(1.0, 0.5 * (range_m / arrivals) / std::max(path_m, 1e-9));
   return uncertainty_m *
-         std::sqrt(std::max(
-             1.0, share * arrivals / static_cast<double>(std::count(heard.begin(), heard.end(), 1))));
+         std::sqrt(std::max(1.0, share * arrivals / static_cast<double>(std::ranges::count(heard, 1))));
 }
 
 WidenedArrivals::WidenedArrivals(Trajectory& t, const Segment& segment, const EpochFixModel& model,

@@ -84,8 +84,7 @@ bool place_by_motion(Trajectory& t, const Segment& segment, const EpochFixModel&
   if (anchors.empty()) return false;
   for (std::size_t k = segment.first_node; k < segment.last_node; ++k) {
     Node& node = t.nodes[k];
-    const auto after = std::lower_bound(anchors.begin(), anchors.end(), node.time_s,
-                                        [](const Anchor& a, double time_s) { return a.time_s < time_s; });
+    const auto after = std::ranges::lower_bound(anchors, node.time_s, {}, &Anchor::time_s);
     const auto before = after == anchors.begin() ? after : after - 1;
     node.placed = true;
     if (after == anchors.end() || before == after || after->time_s <= before->time_s) {

@@ -41,8 +41,7 @@ void thin_out(SearchProblem& problem) {
   problem.group_bias_m.clear();
   for (std::size_t i = 0; i < kMaxRanges; ++i) {
     if (i > 0 && problem.ranges[i].beacon == problem.ranges[i - 1].beacon) continue;
-    const auto group =
-        std::upper_bound(before.begin(), before.end(), i * n / kMaxRanges) - before.begin() - 1;
+    const auto group = std::ranges::upper_bound(before, i * n / kMaxRanges) - before.begin() - 1;
     problem.group_first.push_back(i);
     problem.group_bias_m.push_back(bias_m[static_cast<std::size_t>(group)]);
   }

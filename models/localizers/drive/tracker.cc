@@ -309,8 +309,7 @@ std::vector<Fix> track(const MeasurementLog& all_rows, const Deployment& deploym
       }
     }
   }
-  std::stable_sort(fixes.begin(), fixes.end(),
-                   [](const Fix& a, const Fix& b) { return a.time_s < b.time_s; });
+  std::ranges::stable_sort(fixes, {}, &Fix::time_s);
   return fixes;
 }
 

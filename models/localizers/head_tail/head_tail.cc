@@ -71,9 +71,7 @@ HeadTail::HeadTail(const Deployment& deployment, HeadTailOptions options)
 
 /// Leaves the farthest station out if it is farther than a new one; the others keep their order.
 bool HeadTail::make_room(End& end, double horizontal_m, std::span<const Arrival> arrivals, Fix& fix) const {
-  const auto farthest = std::max_element(
-      end.stations.begin(), end.stations.end(),
-      [](const StationRange& a, const StationRange& b) { return a.distance_m < b.distance_m; });
+  const auto farthest = std::ranges::max_element(end.stations, {}, &StationRange::distance_m);
   if (farthest->distance_m <= horizontal_m) return false;
   const auto at = farthest - end.stations.begin();
   reject_pair(arrivals, end.pairs[static_cast<std::size_t>(at)], Rejection::kNotNeeded, fix.rejections);
@@ -237,9 +235,9 @@ Result<void> head_tail_fits(const Deployment& deployment) {
   if (auto plane = lacks.in_the_plane(deployment); !plane) return plane;
   const std::size_t usable = usable_beacons(deployment);
   if (usable < 2) return lacks(std::to_string(usable).append(" usable base stations"), "two or more");
-  const bool any = std::any_of(
-      deployment.vehicles.begin(), deployment.vehicles.end(),
-      [&](const SiteVehicle& vehicle) { return apart(deployment, ends_of(deployment, vehicle)); });
+  const bool any = std::ranges::any_of(deployment.vehicles, [&](const SiteVehicle& vehicle) {
+    return apart(deployment, ends_of(deployment, vehicle));
+  });
   if (!any) {
     return lacks("no vehicle has a head and a tail",
                  "one with two receivers at different places (the first is the head), or receivers named "

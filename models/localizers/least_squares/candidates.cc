@@ -32,7 +32,7 @@ std::pmr::vector<std::array<std::size_t, 2>> representatives(const SearchProblem
     order.clear();
     for (std::size_t i = problem.group_first[group]; i < problem.group_first[group + 1]; ++i)
       order.push_back(i);
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
       return problem.ranges[a].range_m < problem.ranges[b].range_m;
     });
     out.push_back({order.front(), order[order.size() / 2]});
@@ -131,7 +131,7 @@ std::pmr::vector<std::array<std::size_t, 2>> choose_pairs(const SearchProblem& p
          ++step)  // neighbours in the list first, so that each beacon has its turn
       for (std::size_t a = 0; a + step < n; ++a) {
         const std::array<std::size_t, 2> pair = {stand_for[a][mix[0]], stand_for[a + step][mix[1]]};
-        if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end()) pairs.push_back(pair);
+        if (std::ranges::find(pairs, pair) == pairs.end()) pairs.push_back(pair);
         if (pairs.size() >= max_pairs) return pairs;
       }
   return pairs;
@@ -154,8 +154,7 @@ void TopList::offer(const Candidate& candidate) {
     list_.erase(list_.begin() + static_cast<std::ptrdiff_t>(i));
     break;
   }
-  const auto at = std::upper_bound(list_.begin(), list_.end(), score,
-                                   [](double s, const Candidate& c) { return s < c.score; });
+  const auto at = std::ranges::upper_bound(list_, score, {}, &Candidate::score);
   list_.insert(at, candidate);
   if (list_.size() > size_) list_.pop_back();
 }

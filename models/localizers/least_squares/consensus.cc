@@ -134,7 +134,7 @@ double Consensus::middle_residual(std::size_t group) {
   sorted_.assign(residual_.begin() + static_cast<std::ptrdiff_t>(problem_.group_first[group]),
                  residual_.begin() + static_cast<std::ptrdiff_t>(problem_.group_first[group + 1]));
   const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>((sorted_.size() - 1) / 2);
-  std::nth_element(sorted_.begin(), middle, sorted_.end());
+  std::ranges::nth_element(sorted_, middle);
   return *middle;
 }
 
@@ -206,7 +206,7 @@ double Consensus::best_offset(const PlanarState& state) {
   set_residuals(s, PlanarTurn(s.heading_rad), all());
   sorted_.assign(residual_.begin(), residual_.end());
   const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>((sorted_.size() - 1) / 2);
-  std::nth_element(sorted_.begin(), middle, sorted_.end());
+  std::ranges::nth_element(sorted_, middle);
   return sorted_.empty() ? 0.0 : *middle;
 }
 
@@ -296,9 +296,9 @@ bool Consensus::has_residual_between(const PlanarState& s, double low, double hi
 bool Consensus::explains(const PlanarState& s, const std::array<std::size_t, 2>& arrivals) const {
   constexpr double kSigmas = 4.0;
   const double cosine = std::cos(s.heading_rad), sine = std::sin(s.heading_rad);
-  return std::all_of(arrivals.begin(), arrivals.end(), [&](std::size_t i) {
+  return std::ranges::all_of(arrivals, [&](std::size_t i) {
     const SearchRange& r = problem_.ranges[i];
-    const auto after = std::upper_bound(problem_.group_first.begin(), problem_.group_first.end(), i);
+    const auto after = std::ranges::upper_bound(problem_.group_first, i);
     const double bias_m =
         problem_.group_bias_m[static_cast<std::size_t>(after - problem_.group_first.begin()) - 1];
     const double dx = s.x_m + cosine * r.p_lever_m.x() - sine * r.p_lever_m.y() - r.p_beacon_map_m.x();
@@ -314,7 +314,7 @@ double Consensus::middle_misfit_m(const PlanarState& s) {
   sorted_.clear();
   for (const double r : residual_) sorted_.push_back(std::abs(r));
   const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
-  std::nth_element(sorted_.begin(), middle, sorted_.end());
+  std::ranges::nth_element(sorted_, middle);
   return sorted_.empty() ? 0.0 : *middle;
 }
 

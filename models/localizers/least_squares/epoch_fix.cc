@@ -54,8 +54,8 @@ Count count(const Trajectory& t, const Segment& segment, const EpochFixModel& mo
     if (b.rejection == Rejection::kUsed) ++c.bearings;
   }
   c.poses = static_cast<int>(segment.last_pose - segment.first_pose);
-  c.beacons_heard = static_cast<int>(std::count(heard.begin(), heard.end(), 1));
-  c.beacons_used = static_cast<int>(std::count(used.begin(), used.end(), 1));
+  c.beacons_heard = static_cast<int>(std::ranges::count(heard, 1));
+  c.beacons_used = static_cast<int>(std::ranges::count(used, 1));
   return c;
 }
 

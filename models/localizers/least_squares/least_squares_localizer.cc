@@ -148,8 +148,7 @@ std::vector<Fix> LeastSquaresLocalizer::locate(const MeasurementLog& all_rows) {
         finish(trajectory, epoch, fixes.back());
       }
   }
-  std::stable_sort(fixes.begin(), fixes.end(),
-                   [](const Fix& a, const Fix& b) { return a.time_s < b.time_s; });
+  std::ranges::stable_sort(fixes, {}, &Fix::time_s);
   return fixes;
 }
 

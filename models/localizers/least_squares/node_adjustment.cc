@@ -203,7 +203,7 @@ NodeResiduals node_residuals_of(const Trajectory& t, const Segment& segment, con
     for (std::size_t j = segment.first_arrival; j < segment.last_arrival; ++j)
       if (t.arrivals[j].beacon == t.arrivals[i].beacon) same.push_back(out.own_m[j - segment.first_arrival]);
     const auto middle = same.begin() + static_cast<std::ptrdiff_t>((same.size() - 1) / 2);
-    std::nth_element(same.begin(), middle, same.end());
+    std::ranges::nth_element(same, middle);
     out.beacon_m.push_back(*middle);
   }
   return out;

@@ -202,7 +202,7 @@ std::pmr::vector<PairPlace> PairPlaces::within(std::span<const std::array<std::s
     }
   }
   // Where little is known comes last, when the bound is low.
-  std::sort(out.begin(), out.end(), [](const PairPlace& a, const PairPlace& b) {
+  std::ranges::sort(out, [](const PairPlace& a, const PairPlace& b) {
     if (a.is_flat != b.is_flat) return b.is_flat;
     return a.least_score != b.least_score ? a.least_score < b.least_score : a.reach_m < b.reach_m;
   });

@@ -119,7 +119,7 @@ void refine_into(const SearchProblem& problem, Consensus& consensus, PlanarState
 void sort_by_score(SearchResult& result) {
   std::pmr::vector<std::size_t> order(result.poses.size(), scratch());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+  std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
     return result.poses[a].score != result.poses[b].score ? result.poses[a].score < result.poses[b].score
                                                           : a < b;
   });
@@ -208,7 +208,7 @@ class Exploration {
     std::pmr::vector<std::array<std::size_t, 2>> fresh(scratch());
     fresh.reserve(pairs.size());
     for (const auto& pair : pairs)
-      if (std::find(visited_.begin(), visited_.end(), pair) == visited_.end()) fresh.push_back(pair);
+      if (std::ranges::find(visited_, pair) == visited_.end()) fresh.push_back(pair);
     visit_places(fresh, false);
     visited_.insert(visited_.end(), fresh.begin(), fresh.end());
     sort_by_score(result_);
@@ -240,15 +240,14 @@ class Exploration {
       skip_known_ = skip_known_ || best_is_one_pose();
     }
     for (const Candidate& candidate : top.list())
-      if (candidate.least_score <= bound() &&
-          std::find(refined.begin(), refined.end(), candidate.score) == refined.end())
+      if (candidate.least_score <= bound() && std::ranges::find(refined, candidate.score) == refined.end())
         refine_at(candidate.state);
   }
 
   /// Whether what agrees with the best pose tells it from all others.
   [[nodiscard]] bool best_is_one_pose() {
     const auto better = [](const Candidate& a, const Candidate& b) { return a.score < b.score; };
-    const auto best = std::min_element(result_.poses.begin(), result_.poses.end(), better);
+    const auto best = std::ranges::min_element(result_.poses, better);
     if (best == result_.poses.end()) return false;
     consensus_.set_extra_sigma(0.0);
     return excludes_rivals(problem_, consensus_, discord_, best->state, 0);

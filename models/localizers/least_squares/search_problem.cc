@@ -93,7 +93,7 @@ SearchProblem make_search_problem(const Trajectory& trajectory, const Segment& s
   add_ranges(trajectory, segment, model, path, problem);
   add_bearings(trajectory, segment, model, path, problem);
   // By the observation where the beacons are the same: a stable sort would take memory.
-  std::sort(problem.ranges.begin(), problem.ranges.end(), [](const SearchRange& a, const SearchRange& b) {
+  std::ranges::sort(problem.ranges, [](const SearchRange& a, const SearchRange& b) {
     return a.beacon != b.beacon ? a.beacon < b.beacon : a.observation < b.observation;
   });
   std::pmr::vector<double> sigma(scratch());
@@ -113,7 +113,7 @@ SearchProblem make_search_problem(const Trajectory& trajectory, const Segment& s
   const ArrivalObservation& middle =
       trajectory.arrivals[problem.ranges[problem.ranges.size() / 2].observation];
   problem.speed_mps = (middle.model_speed_mps + model.state.speed_offset(trajectory.run)) / middle.legs();
-  std::nth_element(sigma.begin(), sigma.begin() + static_cast<std::ptrdiff_t>(sigma.size() / 2), sigma.end());
+  std::ranges::nth_element(sigma, sigma.begin() + static_cast<std::ptrdiff_t>(sigma.size() / 2));
   problem.median_sigma_m = sigma[sigma.size() / 2];
   return problem;
 }

@@ -106,11 +106,10 @@ bool start_spatial(Trajectory& t, const Segment& segment, const EpochFixModel& m
     found = false;
     return false;
   }
-  const auto best = std::min_element(
-      solved.begin(), solved.end(), [](const SolvedPose& a, const SolvedPose& b) { return a.cost < b.cost; });
+  const auto best = std::ranges::min_element(solved, {}, &SolvedPose::cost);
   node = best->node;
   const double apart = 10 * problem.median_sigma_m + options.range_uncertainty_m;
-  return std::any_of(solved.begin(), solved.end(), [&](const SolvedPose& s) {
+  return std::ranges::any_of(solved, [&](const SolvedPose& s) {
     return s.cost < best->cost + options.ambiguity_margin &&
            differs(s.node.T_map_vehicle, best->node.T_map_vehicle, apart);
   });

@@ -204,7 +204,7 @@ void LineMapLocalizer::correct(const Scan& scan, Fix& fix) {
   }
   std::pmr::vector<std::size_t> order(ways.size(), scratch());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+  std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
     return ways[a].track.cost != ways[b].track.cost ? ways[a].track.cost < ways[b].track.cost : a < b;
   });
   tracks_.clear();
@@ -213,8 +213,8 @@ void LineMapLocalizer::correct(const Scan& scan, Fix& fix) {
     const Track& track = ways[i].track;
     if (static_cast<int>(tracks_.size()) >= options_.max_hypotheses) break;
     if (!tracks_.empty() && track.cost > best.track.cost + options_.forget_margin) break;
-    const bool is_known = std::any_of(tracks_.begin(), tracks_.end(),
-                                      [&](const Track& kept) { return same_pose(kept.state, track.state); });
+    const bool is_known =
+        std::ranges::any_of(tracks_, [&](const Track& kept) { return same_pose(kept.state, track.state); });
     if (!is_known) tracks_.push_back(track);
   }
   for (Track& track : tracks_) track.cost -= best.track.cost;

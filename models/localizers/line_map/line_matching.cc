@@ -54,8 +54,7 @@ class Matcher {
       if (segment >= 0) m.wall[static_cast<std::size_t>(segment)] = wall;
       m = follow(std::move(m));
       // Seeds of one pose end in the same matches.
-      if (std::any_of(all.begin(), all.end(), [&](const WallMatches& other) { return other.wall == m.wall; }))
-        return;
+      if (std::ranges::any_of(all, [&](const WallMatches& other) { return other.wall == m.wall; })) return;
       if (m.matched > 0) {
         const MapSupport support = map_support(m.state, points_, map_, near_, options_);
         m.cost += options_.through_cost * support.through +
@@ -103,7 +102,7 @@ class Matcher {
     std::pmr::vector<int> wall(segments_.size(), -1, scratch());
     for (int round = 0; round < kRounds; ++round) {
       adjust(m);
-      std::fill(wall.begin(), wall.end(), -1);
+      std::ranges::fill(wall, -1);
       for (std::size_t i = 0; i < segments_.size(); ++i) {
         double nearest = outlier_;
         for (const int k : candidates(i)) {

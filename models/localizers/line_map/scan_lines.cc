@@ -134,7 +134,7 @@ std::vector<HoughLine> hough_lines(std::span<const Eigen::Vector2d> points, cons
         if (c >= 0) ++table[a * cells + static_cast<std::size_t>(std::lround(c / options.hough_c_m))];
       }
     }
-    const auto peak = static_cast<std::size_t>(std::max_element(table.begin(), table.end()) - table.begin());
+    const auto peak = static_cast<std::size_t>(std::ranges::max_element(table) - table.begin());
     if (table[peak] < options.hough_min_points) break;
     HoughLine found;
     found.points = table[peak];

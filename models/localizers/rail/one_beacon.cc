@@ -120,16 +120,14 @@ FixStatus OneBeacon::view_beacons(std::span<const Arrival> arrivals, std::span<c
   bool any_flat = false, any_open = false;
   for (const PairRange& first : pairs) {
     if (first.receiver != now_.id[0]) {
-      const bool has_first = std::any_of(pairs.begin(), pairs.end(), [&](const PairRange& p) {
-        return p.beacon == first.beacon && p.receiver == now_.id[0];
-      });
+      const bool has_first = std::ranges::any_of(
+          pairs, [&](const PairRange& p) { return p.beacon == first.beacon && p.receiver == now_.id[0]; });
       if (first.receiver != now_.id[1] || !has_first)
         reject_pair(arrivals, first, Rejection::kNotNeeded, fix.rejections);
       continue;
     }
-    const auto second = std::find_if(pairs.begin(), pairs.end(), [&](const PairRange& p) {
-      return p.beacon == first.beacon && p.receiver == now_.id[1];
-    });
+    const auto second = std::ranges::find_if(
+        pairs, [&](const PairRange& p) { return p.beacon == first.beacon && p.receiver == now_.id[1]; });
     if (second == pairs.end()) {
       reject_pair(arrivals, first, Rejection::kNotNeeded, fix.rejections);
       continue;
@@ -144,8 +142,7 @@ FixStatus OneBeacon::view_beacons(std::span<const Arrival> arrivals, std::span<c
     reject_pair(arrivals, *second, flat ? Rejection::kNotNeeded : Rejection::kOutvoted, fix.rejections);
   }
   if (options_.facing == Facing::kEither && views_.size() > kMaxEither) {  // the nearest ones
-    std::sort(views_.begin(), views_.end(),
-              [](const View& a, const View& b) { return a.distance_m < b.distance_m; });
+    std::ranges::sort(views_, {}, &View::distance_m);
     for (std::size_t i = kMaxEither; i < views_.size(); ++i)
       for (const PairRange& pair : views_[i].pair)
         reject_pair(arrivals, pair, Rejection::kNotNeeded, fix.rejections);
@@ -240,7 +237,7 @@ void OneBeacon::locate_known(const Observations& observations, Fix& fix) noexcep
   end_fix(fix_pose(observations.arrivals, fix), fix);
 }
 
-void OneBeacon::forget() noexcept { std::fill(last_.begin(), last_.end(), Last{}); }
+void OneBeacon::forget() noexcept { std::ranges::fill(last_, Last{}); }
 
 Result<void> one_beacon_fits(const Deployment& deployment, const OneBeaconOptions& options) {
   const MisfitOf lacks("one_beacon");

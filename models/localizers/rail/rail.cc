@@ -134,8 +134,7 @@ FixStatus RailLocalizer::choose(std::span<const PairRange> pairs, const Fix& fix
   for (Place& place : places_)
     if (!in_reach(fix, place))
       place.cost += options_.gate_sigmas * options_.gate_sigmas;  // as if one range more spoke against it
-  chosen = *std::min_element(places_.begin(), places_.end(),
-                             [](const Place& a, const Place& b) { return a.cost < b.cost; });
+  chosen = *std::ranges::min_element(places_, {}, &Place::cost);
   for (const Place& place : places_) {
     if (place.cost > chosen.cost + options_.ambiguity_margin) continue;
     const double apart_m = std::abs(rail_wrapped_m(*rail_, chosen.s_m - place.s_m));
@@ -263,7 +262,7 @@ FixStatus RailLocalizer::fix_place(std::span<const Arrival> arrivals, Fix& fix) 
   if (places_.empty()) {
     // Ranges that no place explains, or abreast of the only beacon, where the range does not change with the
     // place.
-    const bool any = std::any_of(pairs.begin(), pairs.end(), [&](const PairRange& pair) {
+    const bool any = std::ranges::any_of(pairs, [&](const PairRange& pair) {
       return rail_places(*rail_, deployment_.receivers[pair.receiver.index()].position_m,
                          deployment_.beacons[pair.beacon.index()].position_m, pair.range_m,
                          options_.gate_sigmas * pair.sigma_m)
@@ -281,13 +280,13 @@ void RailLocalizer::locate_known(const Observations& observations, Fix& fix) noe
   end_fix(fix_place(observations.arrivals, fix), fix);
 }
 
-void RailLocalizer::forget() noexcept { std::fill(last_.begin(), last_.end(), Last{}); }
+void RailLocalizer::forget() noexcept { std::ranges::fill(last_, Last{}); }
 
 Result<void> rail_fits(const Deployment& deployment) {
   const MisfitOf lacks("rail");
   if (auto plane = lacks.in_the_plane(deployment); !plane) return plane;
   if (usable_beacons(deployment) == 0) return lacks("no usable beacon", "one or more");
-  if (!std::any_of(deployment.vehicles.begin(), deployment.vehicles.end(), runs_on_rail)) {
+  if (!std::ranges::any_of(deployment.vehicles, runs_on_rail)) {
     return lacks("no vehicle with receivers has a rail",
                  "rail: {from_m: [x, y], to_m: [x, y]} or {centre_m: [x, y], radius_m: R}");
   }

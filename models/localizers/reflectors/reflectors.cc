@@ -73,7 +73,7 @@ void Reflectors::predict(const Pose& T_map_vehicle, double sigma_m, double sigma
 void Reflectors::locate_known(const Observations& observations, Fix& fix) noexcept {
   begin(observations, fix);
   const auto bearings = observations.bearings.first(std::min(observations.bearings.size(), kMaxBearings));
-  const auto usable = std::count(fix.rejections.begin(), fix.rejections.end(), Rejection::kUsed);
+  const auto usable = std::ranges::count(fix.rejections, Rejection::kUsed);
   Hypothesis best;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   if (usable >= 3) {
@@ -219,8 +219,7 @@ Reflectors::Hypothesis& Reflectors::rival_of(const ResectedPose& pose) noexcept 
 void Reflectors::keep(const Hypothesis& hypothesis, Hypothesis& rival) noexcept {
   if (!(hypothesis.cost < rival.cost)) return;
   rival = hypothesis;
-  std::sort(best_.begin(), best_.end(),
-            [](const Hypothesis& a, const Hypothesis& b) { return a.cost < b.cost; });
+  std::ranges::sort(best_, {}, &Hypothesis::cost);
 }
 
 /// Fills `best_` with the poses that explain the bearings best.
@@ -247,7 +246,7 @@ void Reflectors::search(std::span<const Bearing> bearings) noexcept {
   }
   if (all_explained) return;
   // Labelled bearings come first, and with them the triples that cost one hypothesis instead of many.
-  std::fill(named_.begin(), named_.end(), 0);
+  std::ranges::fill(named_, 0);
   for (const bool labelled : {true, false})
     for (std::size_t i = 0; i < bearings.size(); ++i) {
       if (match_[i] == -2 || bearings[i].reflector.valid() != labelled) continue;

@@ -17,7 +17,7 @@ namespace {
 constexpr double kClear = 0.5, kWholeTrack = 6.0;
 
 bool goes_below_zero(const std::vector<SpaceStep>& steps) {
-  return std::any_of(steps.begin(), steps.end(), [](const SpaceStep& s) { return s.smoothed.x[2] < 0.0; });
+  return std::ranges::any_of(steps, [](const SpaceStep& s) { return s.smoothed.x[2] < 0.0; });
 }
 
 /// Steps at which the track may go through the plane, nearest to it of their surroundings; the first step and

@@ -56,7 +56,7 @@ bool lay_clearly(Trajectory& t, const Segment& segment, const Segment& stretch, 
     std::vector<double> costs;
     for (const LikelyPose& pose : likely)
       costs.push_back(cost_of(t, part, stretch, pose, path, model, options));
-    best = static_cast<std::size_t>(std::min_element(costs.begin(), costs.end()) - costs.begin());
+    best = static_cast<std::size_t>(std::ranges::min_element(costs) - costs.begin());
     for (std::size_t i = 0; i < costs.size(); ++i)
       if (i != best && !(costs[i] >= costs[best] + kClearlyBetter)) return false;
   }

@@ -58,7 +58,7 @@ std::size_t SpaceFilter::filter(std::size_t end) {
     steps_.push_back(std::move(step));
     if (recent.size() > kRecent)
       recent.erase(recent.begin(), recent.end() - static_cast<std::ptrdiff_t>(kRecent));
-    if (static_cast<std::size_t>(std::count(recent.begin(), recent.end(), true)) >= kLost) return k + 1;
+    if (static_cast<std::size_t>(std::ranges::count(recent, true)) >= kLost) return k + 1;
   }
   return end;
 }

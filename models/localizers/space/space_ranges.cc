@@ -40,7 +40,7 @@ class PlaceSearch {
         Eigen::Vector3d p = setting_.plane.centre_m + e * (step + Eigen::Vector3d(0, 0, up));
         found.emplace_back(descend(p), p);
       }
-    std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::ranges::sort(found, [](const auto& a, const auto& b) { return a.first < b.first; });
     if (!std::isfinite(found.front().first)) return std::nullopt;
     Eigen::Vector3d place = found.front().second;
     for (const auto& [cost, p] : found)

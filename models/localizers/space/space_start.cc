@@ -60,10 +60,10 @@ std::vector<Eigen::Vector3d> likely_places(const SearchProblem& problem, const E
       if (positions.p_map_m[i].allFinite())
         found.emplace_back(cost(positions.p_map_m[i]), positions.p_map_m[i]);
   }
-  std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::ranges::sort(found, [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Eigen::Vector3d> places;
   for (const auto& [cost_of_pose, p] : found)
-    if (places.size() < kKept && std::all_of(places.begin(), places.end(), [&, &at = p](const auto& other) {
+    if (places.size() < kKept && std::ranges::all_of(places, [&, &at = p](const auto& other) {
           return (at - other).squaredNorm() > size2;
         }))
       places.push_back(p);
@@ -80,12 +80,11 @@ struct Basin {
 /// Keeps the cheapest of those that are alike, best first.
 template <class Found>
 std::vector<Found> distinct(std::vector<Found> found, double apart_m) {
-  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.cost < b.cost; });
+  std::ranges::sort(found, {}, &Found::cost);
   std::vector<Found> kept;
   for (Found& one : found)
-    if (std::all_of(kept.begin(), kept.end(), [&](const Found& other) {
-          return differs(other.T_map_anchor, one.T_map_anchor, apart_m);
-        }))
+    if (std::ranges::all_of(
+            kept, [&](const Found& other) { return differs(other.T_map_anchor, one.T_map_anchor, apart_m); }))
       kept.push_back(std::move(one));
   return kept;
 }
@@ -149,7 +148,7 @@ bool are_images(const SearchProblem& problem, const RigidPath& path, const Pose&
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(spread);
   const Eigen::Vector3d normal = eigen.eigenvectors().col(0);
   if (std::abs(normal.z()) < 0.7) return false;  // which of them is nearer the floor says nothing
-  return std::all_of(path.T_anchor_node.begin(), path.T_anchor_node.end(), [&](const Pose& T) {
+  return std::ranges::all_of(path.T_anchor_node, [&](const Pose& T) {
     const Eigen::Vector3d p = a * T.translation_m, q = b * T.translation_m;
     return (p - 2 * normal.dot(p - centre) * normal - q).norm() < within_m;
   });

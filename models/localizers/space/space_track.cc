@@ -121,7 +121,7 @@ class SpaceTracker {
         for (std::size_t j = 0; j < fixes.size(); ++j)
           hold_against(without.steps()[j].smoothed, steps[j].smoothed, plane, fixes[j], levels_m[j]);
       }
-      std::copy(marked.begin(), marked.end(), ranges.begin());
+      std::ranges::copy(marked, ranges.begin());
     }
     for (std::size_t j = 0; all_determined && j < fixes.size(); ++j)
       if (fixes[j].ok() && std::isfinite(levels_m[j]))
@@ -146,7 +146,7 @@ class SpaceTracker {
   /// does not.
   [[nodiscard]] bool comes_near_the_plane(const std::vector<SpaceStep>& steps) const {
     if (!setting_.plane.coplanar) return false;
-    return std::any_of(steps.begin(), steps.end(), [this](const SpaceStep& step) {
+    return std::ranges::any_of(steps, [this](const SpaceStep& step) {
       return is_near(setting_.plane, step.smoothed, setting_.options.rejection_sigmas);
     });
   }
@@ -225,8 +225,7 @@ std::vector<Fix> track_in_space(const MeasurementLog& log, const Deployment& dep
   std::vector<Fix> fixes;
   for (std::size_t v = 0; v < deployment.vehicles.size(); ++v)
     SpaceTracker(log, VehicleId(v), deployment, options).run(fixes);
-  std::stable_sort(fixes.begin(), fixes.end(),
-                   [](const Fix& a, const Fix& b) { return a.time_s < b.time_s; });
+  std::ranges::stable_sort(fixes, {}, &Fix::time_s);
   return fixes;
 }
 

@@ -38,9 +38,9 @@ MeasurementLog part_of_run(const MeasurementLog& run) {
     if (epochs.size() <= kMostStops) return part;
     std::vector<std::int64_t> some;
     for (std::size_t k = 0; k < kMostStops; ++k) some.push_back(epochs[k * epochs.size() / kMostStops]);
-    std::sort(some.begin(), some.end());
+    std::ranges::sort(some);
     std::erase_if(part.arrivals,
-                  [&](const Arrival& a) { return !std::binary_search(some.begin(), some.end(), a.epoch); });
+                  [&](const Arrival& a) { return !std::ranges::binary_search(some, a.epoch); });
     part.odometry.clear();  // it ties stops that are neighbours
     return part;
   }
@@ -61,8 +61,7 @@ class SpeedSearch {
       trajectories_.push_back(make_trajectory(run, 0, VehicleId(v), how));
     for (const Arrival& a : run.arrivals) ranges_m.push_back(std::abs(a.tof_s) * model_.nominal_speed_mps);
     if (ranges_m.empty()) return;
-    std::nth_element(ranges_m.begin(), ranges_m.begin() + static_cast<std::ptrdiff_t>(ranges_m.size() / 2),
-                     ranges_m.end());
+    std::ranges::nth_element(ranges_m, ranges_m.begin() + static_cast<std::ptrdiff_t>(ranges_m.size() / 2));
     range_m_ = ranges_m[ranges_m.size() / 2];
     sigma_m_ = how.noise.tof_sigma_s * model_.nominal_speed_mps;
   }
