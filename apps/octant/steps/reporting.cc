@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/octant/steps/reporting.h"
 
-#include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/octant/text/schedule_text.h"
 
-#include <cmath>
-
 #include <fmt/format.h>
 
 #include "apps/octant/text/paragraph.h"

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "models/localizers/chain/chain_calibration.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "models/trajectory/decompositions.h"
