@@ -22,6 +22,7 @@ constexpr std::size_t kListedTopics = 20;
 
 std::string listed_topics(const std::vector<BagTopic>& topics) {
   std::vector<std::string> words;
+  words.reserve(topics.size());
   for (const BagTopic& t : topics)
     words.push_back(fmt::format("{} ({})", t.name, t.type.empty() ? "?" : t.type));
   std::ranges::sort(words);
