@@ -83,7 +83,7 @@ bool names_beacon(const RangeTopics& r) {
 std::string fault_of_topics(const TopicMapping& mapping) {
   for (const RangeTopics& r : mapping.ranges) {
     for (const std::string* pattern : {&r.topic, &r.frame})
-      if (const std::string fault = fault_of_pattern(*pattern); !fault.empty()) return fault;
+      if (std::string fault = fault_of_pattern(*pattern); !fault.empty()) return fault;
     if (r.topic.empty()) return "a range without a topic";
     if (!names_beacon(r)) return fmt::format("range {} does not say of which beacon", in_quotes(r.topic));
   }
