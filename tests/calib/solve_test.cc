@@ -18,6 +18,7 @@ namespace {
 using calib::SolveStatus;
 using testing::Contains;
 using testing::HasSubstr;
+using testing::Not;
 
 TEST(Solve, NoiseFreeWorldGivesTheTruth) {
   World world = must(simulate(without_noise(hall_scenario()), 1));
@@ -55,6 +56,26 @@ TEST(Solve, ErrorsAreWhatTheCovarianceSays) {
   // gates allow).
   EXPECT_GT(nees, 0.85 * chi2_quantile(1e-4, dof));
   EXPECT_LT(nees, 1.15 * chi2_quantile(1 - 1e-4, dof));
+}
+
+// Taken for so bad, poses explain all of what the arrivals are off by, whose noise would go to nothing and
+// with it the sigmas of all later fixes.
+TEST(Solve, PosesBetterThanStatedLeaveTheArrivalsTheirNoise) {
+  for (const bool has_odometry : {true, false}) {
+    Scenario s = drive_scenario(120.0);
+    s.log_poses = true;
+    s.pose_accuracy = {.position_sigma_m = 0.0, .heading_sigma_rad = 0.0};
+    World world = must(simulate(s, 31));
+    world.run.pose_accuracy = {.position_sigma_m = 0.01, .heading_sigma_rad = 0.01};
+    if (!has_odometry) world.run.odometry.clear();
+    const calib::Solution solution = solution_of(world);
+    ASSERT_EQ(solution.status, SolveStatus::kConverged) << solution.message;
+    EXPECT_NEAR(solution.tof_sigma_s / world.site.noise.tof_sigma_s, 1.0, 0.2) << has_odometry;
+    EXPECT_THAT(solution.warnings, Contains(HasSubstr("measured poses fit")));
+    world.run.pose_accuracy = {.position_sigma_m = 1e-4, .heading_sigma_rad = 1e-4};
+    for (const std::string& warning : solution_of(world).warnings)
+      EXPECT_THAT(warning, Not(HasSubstr("measured poses fit"))) << has_odometry;
+  }
 }
 
 TEST(Solve, FixesOfACalibratedSiteAreWhatTheirCovarianceSays) {

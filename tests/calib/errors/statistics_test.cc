@@ -8,6 +8,9 @@
 
 #include <gtest/gtest.h>
 
+#include "models/trajectory/linearise.h"
+#include "tests/calib/calib_support.h"
+
 namespace octant::calib {
 namespace {
 
@@ -100,6 +103,52 @@ TEST(NoiseSearch, KeepsTheRatioOfWhatTheDataCannotTellApart) {
 TEST(NoiseSearch, PosesThatSeemWorseThanStatedAreLeft) {
   EXPECT_EQ(variances_found(8, 1.0, 9.0).second, 1.0);
   EXPECT_EQ(variances_found(8, 1.0, 1.0), std::pair(1.0, 1.0));
+}
+
+// By a dense inverse of all states of a stretch.
+TEST(ObservationCounts, HaveThePosesShareOfTheRedundancy) {
+  Scenario scenario = test::drive_scenario(20.0);
+  scenario.log_poses = true;
+  scenario.pose_accuracy = {.position_sigma_m = 0.005, .heading_sigma_rad = 0.01};
+  const World world = test::must(simulate(scenario, 4));
+  for (const bool has_odometry : {true, false}) {
+    MeasurementLog run = world.run;
+    if (!has_odometry) run.odometry.clear();
+    const Problem problem = test::must(make_problem(world.site, {run}));
+    const SharedState state = prior_state(problem.site);
+    Trajectory t = problem.trajectories.front();
+    for (Node& node : t.nodes) node.placed = true;
+    double squares = 0.0, redundancy = 0.0;
+    for (const Segment& segment : t.segments) {
+      ChainSystem system;
+      build_chain_system(t, segment, state, RobustLoss{}, system);
+      const auto n = static_cast<Eigen::Index>(t.block_size()),
+                 size = n * static_cast<Eigen::Index>(system.D.size());
+      Eigen::MatrixXd H = Eigen::MatrixXd::Zero(size, size);
+      for (Eigen::Index k = 0; k * n < size; ++k) {
+        H.block(k * n, k * n, n, n) = system.D[static_cast<std::size_t>(k)];
+        if ((k + 1) * n < size) {
+          H.block(k * n, (k + 1) * n, n, n) = system.U[static_cast<std::size_t>(k)];
+          H.block((k + 1) * n, k * n, n, n) = system.U[static_cast<std::size_t>(k)].transpose();
+        }
+      }
+      const Eigen::MatrixXd P = H.inverse();
+      ObservationRow rows[6];
+      for (std::size_t i = segment.first_pose; i < segment.last_pose; ++i)
+        for (int count = pose_rows(t, i, rows), k = 0; k < count; ++k) {
+          Eigen::RowVectorXd J = Eigen::RowVectorXd::Zero(size);
+          const auto at = n * static_cast<Eigen::Index>(rows[k].node - segment.first_node);
+          J.segment(at, n) = rows[k].by_node;
+          if (rows[k].has_next) J.segment(at + n, n) = rows[k].by_next;
+          squares += rows[k].residual * rows[k].residual;
+          redundancy += 1.0 - (J * P).dot(J);
+        }
+    }
+    const PoseSquares counted = count_observations(t, state).poses;
+    EXPECT_NEAR(counted.squares, squares, 1e-9 * squares);
+    EXPECT_NEAR(counted.redundancy, redundancy, 1e-8 * redundancy);
+    EXPECT_GT(redundancy, 10.0);
+  }
 }
 
 /// An adjustment of arrivals alone whose noise is off by a factor, as a log that is adjusted again.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "calib/stream/long_log.h"
@@ -73,6 +74,20 @@ TEST(StreamedLog, MomentsAtMeasuredPosesMayBeStreamed) {
   const calib::Problem problem = must(calib::make_problem(world.site, {world.run}));
   ASSERT_FALSE(problem.trajectories.front().stateless_arrivals.empty());
   ASSERT_GT(problem.trajectories.front().segments.size(), 1000U);
+  expect_same_drive(world.site, {world.run});
+}
+
+// Their component of variance is found in chunks as in memory.
+TEST(StreamedLog, PosesMayBeBetterThanStated) {
+  Scenario s = drive_scenario(300.0);
+  s.heldout_path.duration_s = 5.0;
+  s.log_poses = true;
+  s.pose_accuracy = {.position_sigma_m = 0.0, .heading_sigma_rad = 0.0};
+  World world = must(simulate(s, 21));
+  world.run.odometry.clear();
+  world.run.pose_accuracy = {.position_sigma_m = 0.01, .heading_sigma_rad = 0.01};
+  const calib::Solution whole = calib::solve(must(calib::make_problem(world.site, {world.run})), {});
+  ASSERT_THAT(whole.warnings, ::testing::Contains(::testing::HasSubstr("measured poses fit")));
   expect_same_drive(world.site, {world.run});
 }
 
