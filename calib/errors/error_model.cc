@@ -21,10 +21,11 @@ namespace {
 
 constexpr std::size_t kTestedRows = 3'000;  ///< of a long log of stops, to see whether it is white at all
 constexpr std::size_t kMostRows = 40'000;
-/// Of the test whether residuals are white, all sums together. Real errors hardly ever are, and a short log
-/// shows it weakly: passed over, its sigmas would be several times too small; a false alarm makes them half
-/// as large again.
-constexpr double kWhitenessSignificance = 1e-3;
+/// Chance, all sums together, down to which residuals pass as white, and from which on they are not. Real
+/// errors hardly ever are white, and a short log shows it weakly: passed over, its sigmas would be several
+/// times too small; from few residuals taken for correlated, several times too large. Between the two the
+/// covariance goes from the one to the other.
+constexpr double kPassAsWhite = 1e-2, kFailAsWhite = 1e-4;
 constexpr std::size_t kTestPanels = 3;   ///< sixteen draws each, of white noise in the test
 constexpr std::size_t kModelPanels = 6;  ///< of the fitted errors
 constexpr double kRidge = 0.05;          ///< of the correlation of the sums, which some hundred draws tell
@@ -45,32 +46,22 @@ class Estimator {
   Estimator(const ErrorSample& sample, int threads)
       : sample_(sample), draws_(sample), components_(sample), threads_(threads) {}
 
-  /// Whether some sum of residuals is beyond what white noise leaves.
-  [[nodiscard]] bool beyond_white() {
+  /// How much of what is beyond white noise is to be believed: 0 where residuals pass as white, 1 where they
+  /// do not.
+  [[nodiscard]] double weight() {
     const Eigen::Index tests = components_.size() - components_.whites();
-    if (tests == 0) return false;
+    if (tests == 0) return 0.0;
     tested_ = simulated(kTestPanels, [&](std::size_t panel, Lines& errors) {
                 return white_noise(panel, errors, true);
               }).sums;
     const Eigen::VectorXd found = sums_of_residuals();
-    for (Eigen::Index m = components_.whites(); m < size(); ++m) {
-      // A sum of squares is about a gamma variable of its simulated mean and variance; as chi-square: x /
-      // scale on nu degrees.
-      const double mean = tested_.row(m).mean(), variance = (tested_.row(m).array() - mean).square().mean();
-      const bool bearings = components_[m].bearings;
-      if (!(variance > 0) || mean < kLeastShare * static_cast<double>(components_.count(bearings)))
-        continue;  // absorbed by the parameters
-      const Eigen::Index white = components_.white_of(bearings);
-      const double level = found[white] / tested_.row(white).mean();  // the noise as it is
-      const double nu = 2 * mean * mean / variance;
-      if (found[m] > level * mean && chi_square_p(nu * found[m] / (level * mean), nu) <
-                                         kWhitenessSignificance / static_cast<double>(tests))
-        return true;
-    }
-    return false;
+    double chance = 1.0;
+    for (Eigen::Index m = components_.whites(); m < size() && chance > kFailAsWhite; ++m)
+      chance = std::min(chance, static_cast<double>(tests) * chance_of(m, found));  // Bonferroni
+    return std::clamp(std::log(chance / kPassAsWhite) / std::log(kFailAsWhite / kPassAsWhite), 0.0, 1.0);
   }
 
-  /// Variances of the components, white noise first; after beyond_white().
+  /// Variances of the components, white noise first; after weight().
   void fit() {
     expect();
     // What priors, poses and odometry leave in the residuals is taken at its word.
@@ -99,24 +90,38 @@ class Estimator {
     });
   }
 
-  [[nodiscard]] ErrorModel model() const {
+  /// @param weight  of it, against white noise as it was taken for
+  [[nodiscard]] ErrorModel model(double weight) const {
     ErrorModel out;
     out.correlated = true;
     for (Eigen::Index m = 0; m < size(); ++m) {
       const ErrorComponent& c = components_[m];
       if (c.is_white()) {
-        (c.bearings ? out.white_bearing : out.white_tof) = theta_[m];
+        (c.bearings ? out.white_bearing : out.white_tof) = 1.0 + weight * (theta_[m] - 1.0);
       } else if (theta_[m] > 0) {
         out.parts.push_back(c.part);
-        out.parts.back().variance = theta_[m];
+        out.parts.back().variance = weight * theta_[m];
       }
     }
-    out.covariance = covariance(out.freedoms);
+    out.covariance = (1 - weight) * sample_.L * sample_.L.transpose() + weight * covariance(out.freedoms);
     return out;
   }
 
  private:
   [[nodiscard]] Eigen::Index size() const { return components_.size(); }
+
+  /// Chance that white noise leaves so large a sum of squares. That is about a gamma variable of its
+  /// simulated mean and variance; as chi-square: x / scale on nu degrees.
+  [[nodiscard]] double chance_of(Eigen::Index m, const Eigen::VectorXd& found) const {
+    const double mean = tested_.row(m).mean(), variance = (tested_.row(m).array() - mean).square().mean();
+    const bool bearings = components_[m].bearings;
+    if (!(variance > 0) || mean < kLeastShare * static_cast<double>(components_.count(bearings)))
+      return 1.0;  // absorbed by the parameters
+    const Eigen::Index white = components_.white_of(bearings);
+    const double level = found[white] / tested_.row(white).mean();  // the noise as it is
+    const double nu = 2 * mean * mean / variance;
+    return found[m] > level * mean ? chi_square_p(nu * found[m] / (level * mean), nu) : 1.0;
+  }
 
   /// Of errors that are all as stated. @param all  or of priors, poses and odometry alone: the same ones
   Lines white_noise(std::size_t panel, Lines& errors, bool all) const {
@@ -319,9 +324,10 @@ double ErrorModel::pair_sigma() const {
 ErrorModel error_model_of(const ErrorSample& sample, int threads) {
   if (sample.rows.size() < kFewestObservations) return {};
   Estimator estimator(sample, threads);
-  if (!estimator.beyond_white()) return {};
+  const double weight = estimator.weight();
+  if (weight == 0.0) return {};
   estimator.fit();
-  return estimator.model();
+  return estimator.model(weight);
 }
 
 ErrorModel error_model_of(const ParameterLayout& layout, const std::vector<Trajectory>& trajectories,
@@ -329,7 +335,7 @@ ErrorModel error_model_of(const ParameterLayout& layout, const std::vector<Traje
   if (C.matrix() == nullptr || C.size() == 0 || !C.all_finite()) return {};
   ErrorSample sample = error_sample(layout, trajectories, state, C, kTestedRows);
   if (sample.share < 1.0) {
-    if (sample.rows.size() < kFewestObservations || !Estimator(sample, threads).beyond_white()) return {};
+    if (sample.rows.size() < kFewestObservations || Estimator(sample, threads).weight() == 0.0) return {};
     sample = error_sample(layout, trajectories, state, C, kMostRows);
   }
   sample.share *= share_of_log;

@@ -76,7 +76,7 @@ struct ErrorSample;
 /// leaves it.
 ///
 /// Residuals that pass as white (each sum against its simulated distribution, Bonferroni over all, one in a
-/// thousand) leave all as it is.
+/// hundred) leave all as it is; down to one in ten thousand the model counts in part.
 /// @param C  covariance under white noise; a site so large that it is no matrix is not modelled
 /// @param trajectories  solved, outliers rejected
 /// @param share_of_log  where they hold only a part of what C is of

@@ -5,22 +5,45 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include <boost/math/tools/minima.hpp>
 
+#include "models/trajectory/trajectory.h"
+
 namespace octant::calib {
+namespace {
+
+/// Calls visit(time_s) for some arrivals, evenly spread. @return for which share of them it is true
+template <class Visit>
+double share_of_arrivals(const MeasurementLog& run, Visit&& visit) {
+  constexpr std::size_t kArrivals = 500;
+  const std::size_t n = run.arrivals.size(), stride = n / kArrivals + 1;
+  std::size_t seen = 0, count = 0;
+  for (std::size_t i = 0; i < n; i += stride, ++seen) count += visit(run.arrivals[i].time_s) ? 1 : 0;
+  return seen > 0 ? static_cast<double>(count) / static_cast<double>(seen) : 0.0;
+}
+
+std::optional<Pose> pose_at(const MeasurementLog& run, double time_s) {
+  Pose pose;
+  return interpolate_poses(run.poses, time_s, run.pose_accuracy.max_gap_s, pose) ? std::optional(pose)
+                                                                                 : std::nullopt;
+}
+
+}  // namespace
 
 bool poses_are_of_motion(const MeasurementLog& run) {
-  constexpr double kSlowest_mps = 0.01, kMovingShare = 0.1;
-  std::size_t pairs = 0, moving = 0;
-  for (std::size_t i = 1; i < run.poses.size(); ++i) {
-    const TimedPose &a = run.poses[i - 1], &b = run.poses[i];
-    const double dt_s = b.time_s - a.time_s;
-    if (dt_s > run.pose_accuracy.max_gap_s) continue;
-    ++pairs;
-    moving += (b.T_map_vehicle.translation_m - a.T_map_vehicle.translation_m).norm() > kSlowest_mps * dt_s;
-  }
-  return static_cast<double>(moving) > kMovingShare * static_cast<double>(pairs);
+  constexpr double kApart_s = 0.5, kSlowest_mps = 0.03, kMovingShare = 0.1;
+  return share_of_arrivals(run, [&](double time_s) {
+           const auto before = pose_at(run, time_s - kApart_s / 2),
+                      after = pose_at(run, time_s + kApart_s / 2);
+           return before && after &&
+                  (after->translation_m - before->translation_m).norm() > kSlowest_mps * kApart_s;
+         }) > kMovingShare;
+}
+
+double share_with_pose(const MeasurementLog& run, double lag_s) {
+  return share_of_arrivals(run, [&](double time_s) { return pose_at(run, time_s + lag_s).has_value(); });
 }
 
 void take_back_lag(double lag_s, MeasurementLog& run) {

@@ -40,6 +40,7 @@ constexpr LogShare kFirstShare = {16, 12, 600, 8}, kSecondShare = {40, 30, 1500,
 constexpr double kWorthASecondTrial = 0.8;  ///< of the loss as stated
 constexpr std::size_t kSecondTrials = 2;    ///< of each kind
 constexpr double kPlainSigmas = 8.0;        ///< by which a reading must explain more than what was stated
+constexpr double kPosesKept = 0.9;          ///< share of arrivals with a pose that a lag must leave
 constexpr double kLooseReceiver_m = 0.5;    ///< sigma of a place that the poses alone are to tell
 
 class Search {
@@ -200,10 +201,15 @@ class Search {
   void try_clock_and_point_of_poses() {
     const std::vector<MeasurementLog>& runs = problem_.runs;
     std::vector<Reading> readings;
-    if (std::any_of(runs.begin(), runs.end(), poses_are_of_motion))
+    if (std::ranges::any_of(runs, poses_are_of_motion))
       readings.push_back(poses_of_other_clock(
           runs, likeliest_lag_s([&](double lag_s) {
-            return stopped() ? INFINITY : score(poses_of_other_clock(runs, lag_s), kFirstShare, false).loss;
+            const bool keeps_poses = std::ranges::all_of(runs, [lag_s](const MeasurementLog& run) {
+              return share_with_pose(run, lag_s) >= kPosesKept * share_with_pose(run, 0.0);
+            });
+            return !keeps_poses || stopped()
+                       ? INFINITY
+                       : score(poses_of_other_clock(runs, lag_s), kFirstShare, false).loss;
           })));
     if (std::any_of(runs.begin(), runs.end(), [](const auto& run) { return !run.poses.empty(); }))
       readings.push_back(poses_of_other_point(runs, -shift_of_receivers_m()));

@@ -266,6 +266,24 @@ TEST(Readings, NameAMirroredPoseFrame) {
   expect_left_handed_once_mirrored(world);
 }
 
+// One pose a stop, so that a lag of the poses would take them away, and all would fit.
+TEST(Readings, NameAMirroredPoseFrameOfStops) {
+  Scenario s = hall_scenario();
+  s.path.epochs = 40;
+  s.log_poses = true;
+  World world = must(simulate(s, 2));
+  std::vector<TimedPose> of_stops;
+  for (std::size_t i = 0; i < world.run.arrivals.size(); ++i) {
+    const Arrival& arrival = world.run.arrivals[i];
+    if (i > 0 && arrival.epoch == world.run.arrivals[i - 1].epoch) continue;
+    Pose pose;
+    ASSERT_TRUE(interpolate_poses(world.run.poses, arrival.time_s, 1.0, pose));
+    for (const double later_s : {0.0, 0.5}) of_stops.push_back({arrival.time_s + later_s, pose});
+  }
+  world.run.poses = of_stops;
+  expect_left_handed_once_mirrored(world);
+}
+
 // In a way that no other reading has: without them all fits.
 TEST(Readings, NameMeasuredPosesThatFitInNoWay) {
   Scenario s = hall_scenario();
