@@ -2,12 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/readings/pose_clock.h"
 
-#include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <optional>
-
-#include <boost/math/tools/minima.hpp>
 
 #include "models/trajectory/trajectory.h"
 
@@ -48,24 +44,6 @@ double share_with_pose(const MeasurementLog& run, double lag_s) {
 
 void take_back_lag(double lag_s, MeasurementLog& run) {
   for (TimedPose& pose : run.poses) pose.time_s -= lag_s;
-}
-
-double likeliest_lag_s(const std::function<double(double lag_s)>& loss) {
-  constexpr double kLeast_s = 0.02, kMost_s = 2.0;
-  constexpr int kBits = 8;
-  constexpr std::uintmax_t kMostSteps = 12;
-  double best_s = kLeast_s, least = INFINITY;
-  for (double size_s = kLeast_s; size_s < kMost_s; size_s *= 2)
-    for (const double lag_s : {size_s, -size_s})
-      if (const double here = loss(lag_s); here < least) {
-        least = here;
-        best_s = lag_s;
-      }
-  std::uintmax_t steps = kMostSteps;
-  const auto [log_s, refined] = boost::math::tools::brent_find_minima(
-      [&](double log_size) { return loss(std::copysign(std::exp(log_size), best_s)); },
-      std::log(std::abs(best_s) / 2), std::log(std::abs(best_s) * 2), kBits, steps);
-  return refined < least ? std::copysign(std::exp(log_s), best_s) : best_s;
 }
 
 }  // namespace octant::calib

@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
-#include <vector>
-
 #include "models/run.h"
 
 namespace octant::calib {
@@ -19,10 +16,5 @@ namespace octant::calib {
 /// Poses as a clock would have stamped them that runs with the arrivals'.
 /// @param lag_s  by which the poses' stamps are late; negative: early
 void take_back_lag(double lag_s, MeasurementLog& run);
-
-/// The lag that explains the recordings best, of up to some two seconds either way: steps by factors of two,
-/// the best of them refined to a part in a hundred.
-/// @param loss  of the recordings when such a lag is taken back; some thirty are asked for
-[[nodiscard]] double likeliest_lag_s(const std::function<double(double lag_s)>& loss);
 
 }  // namespace octant::calib

@@ -13,18 +13,14 @@
 
 #include "calib/problem/clock_check.h"
 #include "calib/readings/pauses.h"
-#include "calib/readings/pose_clock.h"
 #include "calib/readings/reading.h"
+#include "calib/readings/reading_family.h"
 #include "calib/readings/reading_score.h"
 #include "calib/readings/site_frames.h"
-#include "calib/verdict/left_out.h"
 
 namespace octant::calib {
 namespace {
 
-/// How an outcome looks that is worth a search.
-constexpr double kEarlyShare = 0.05, kNoiseRatio = 3.0, kDraggedSigmas = 6.0;
-constexpr std::size_t kEarlyAtLeast = 10;
 /// How much better a reading must be: by so much log likelihood an arrival, and by such a factor; and good by
 /// itself.
 constexpr double kGain = 0.5, kFactor = 0.6, kAgreeingShare = 0.6, kNoise = 5.0, kRedundant = 0.2;
@@ -40,7 +36,6 @@ constexpr LogShare kFirstShare = {16, 12, 600, 8}, kSecondShare = {40, 30, 1500,
 constexpr double kWorthASecondTrial = 0.8;  ///< of the loss as stated
 constexpr std::size_t kSecondTrials = 2;    ///< of each kind
 constexpr double kPlainSigmas = 8.0;        ///< by which a reading must explain more than what was stated
-constexpr double kPosesKept = 0.9;          ///< share of arrivals with a pose that a lag must leave
 constexpr double kLooseReceiver_m = 0.5;    ///< sigma of a place that the poses alone are to tell
 
 class Search {
@@ -63,6 +58,7 @@ class Search {
     if (is_blamed(ContradictionKind::kControlPoint)) try_exchanged_points();
     if (is_blamed(ContradictionKind::kSpeed)) try_out(scales(), true);
     if (found_.empty()) try_clock_and_point_of_poses();
+    if (found_.empty()) try_errors_of_odometry();
     if (found_.empty()) try_out(jumped_clocks(site_, problem_.runs, options_));
     return best();
   }
@@ -73,6 +69,7 @@ class Search {
     // What the ranges alone show has the first turn: beside such a jump every other look is long, and vain.
     if (jumps) try_out(jumped_clocks(site_, problem_.runs, options_));
     if (found_.empty()) try_clock_and_point_of_poses();
+    if (found_.empty()) try_errors_of_odometry();
     if (!found_.empty()) return best();
     try_numbered_stops();
     if (found_.empty()) try_exchanged_points();
@@ -196,44 +193,58 @@ class Search {
     }
   }
 
-  /// Measured poses by another clock, and of another point of the vehicle. A vehicle that always drives as
-  /// fast has the one look much like the other, and like a wrong place of its receivers.
-  void try_clock_and_point_of_poses() {
-    const std::vector<MeasurementLog>& runs = problem_.runs;
-    std::vector<Reading> readings;
-    if (std::ranges::any_of(runs, poses_are_of_motion))
-      readings.push_back(poses_of_other_clock(
-          runs, likeliest_lag_s([&](double lag_s) {
-            const bool keeps_poses = std::ranges::all_of(runs, [lag_s](const MeasurementLog& run) {
-              return share_with_pose(run, lag_s) >= kPosesKept * share_with_pose(run, 0.0);
-            });
-            return !keeps_poses || stopped()
-                       ? INFINITY
-                       : score(poses_of_other_clock(runs, lag_s), kFirstShare, false).loss;
-          })));
-    if (std::any_of(runs.begin(), runs.end(), [](const auto& run) { return !run.poses.empty(); }))
-      readings.push_back(poses_of_other_point(runs, -shift_of_receivers_m()));
-    for (const Reading& reading : readings) {
+  /// The likeliest of each family, where it leaves no noise beyond what is stated.
+  void try_families(const std::vector<ReadingFamily>& families) {
+    for (const ReadingFamily& family : families) {
       if (stopped()) return;
-      const ReadingScore s = score(reading, kSecondShare, true);
-      if (explains(s) || (is_likelier(s) && explains_all(s))) found_.push_back({reading.what, s});
+      accept(family.reading(likeliest_size(family.least, family.most, [&](double size) {
+        const bool is_looked_at = !stopped() && (!family.may_be || family.may_be(size));
+        return is_looked_at ? score(family.reading(size), kFirstShare, false).loss : INFINITY;
+      })));
     }
   }
 
-  /// By how much the receivers stand together from where the site file has them, as poses have it.
-  [[nodiscard]] Eigen::Vector3d shift_of_receivers_m() const {
+  void accept(const Reading& reading) {
+    const ReadingScore s = score(reading, kSecondShare, true);
+    if (explains(s) || (is_likelier(s) && s.noise <= kNoiseOfAll)) found_.push_back({reading.what, s});
+  }
+
+  /// Measured poses by another clock, and of another point of the vehicle. A vehicle that always drives as
+  /// fast has the one look much like the other.
+  void try_clock_and_point_of_poses() {
+    const std::vector<MeasurementLog>& runs = problem_.runs;
+    if (std::ranges::all_of(runs, [](const auto& run) { return run.poses.empty(); })) return;
+    try_families(poses_stamped_late(runs));
+    accept(poses_of_other_point(runs, -with_loose_receivers().shift_m));
+  }
+
+  /// Odometry of another scale or clock. Where receivers elsewhere explain as much as a clock, they are
+  /// blamed.
+  void try_errors_of_odometry() {
+    try_families(odometry_of_other_scale(problem_.runs));
+    if (!found_.empty()) return;
+    try_families(odometry_stamped_late(problem_.runs));
+    if (!found_.empty() && with_loose_receivers().loss < found_.back().score.loss + kTie) found_.pop_back();
+  }
+
+  struct LooseReceivers {
+    double loss = 0.0;
+    Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< of all together
+  };
+  /// As stated, but for the receivers' places.
+  [[nodiscard]] LooseReceivers with_loose_receivers() const {
     Site loose = site_;
     for (SiteReceiver& receiver : loose.receivers) receiver.sigma_m.setConstant(kLooseReceiver_m);
-    const std::vector<Eigen::Vector3d> places = score_of(loose, second_, options_, true).receiver_p_vehicle_m;
-    Eigen::Vector3d shift = Eigen::Vector3d::Zero();
+    const ReadingScore s = score_of(loose, second_, options_, true);
+    LooseReceivers out{s.loss};
     const int told = site_.motion == Motion::kPlanar ? 2 : 3;  // a planar vehicle has no height to be off in
     for (int i = 0; i < told; ++i) {
       std::vector<double> shifts;
-      for (std::size_t r = 0; r < places.size(); ++r)
-        shifts.push_back(places[r][i] - site_.receivers[r].position_m[i]);
-      shift[i] = median(std::move(shifts));
+      for (std::size_t r = 0; r < s.receiver_p_vehicle_m.size(); ++r)
+        shifts.push_back(s.receiver_p_vehicle_m[r][i] - site_.receivers[r].position_m[i]);
+      out.shift_m[i] = median(std::move(shifts));
     }
-    return shift;
+    return out;
   }
 
   /// Poses that fit in no way: where a reading of their frame, or of the receivers', lets about as many
@@ -350,35 +361,7 @@ class Search {
   std::vector<ScoredReading> found_;
 };
 
-bool is_dragged(const Problem& problem, const Solution& solution) {
-  const Site& site = problem.site;
-  for (std::size_t r = 0; r < site.receivers.size() && r < solution.state.receiver_p_vehicle_m.size(); ++r)
-    for (int i = 0; i < 3; ++i) {
-      const double sigma = site.receivers[r].sigma_m[i];
-      if (sigma > 0 && std::abs(solution.state.receiver_p_vehicle_m[r][i] - site.receivers[r].position_m[i]) >
-                           kDraggedSigmas * sigma)
-        return true;
-    }
-  return false;
-}
-
 }  // namespace
-
-bool seems_misread(const Problem& problem, const Solution& solution) {
-  std::size_t rows = 0, early = 0;
-  for (const MeasurementLog& run : problem.runs) rows += run.arrivals.size();
-  if (rows == 0 || solution.status == SolveStatus::kInterrupted) return false;
-  if (solution.status == SolveStatus::kNotConverged || solution.beacon_status.empty())
-    return true;  // nothing came of it
-  for (const LeftOut& l : solution.left_out) early += l.reason == Rejection::kEarly;
-  const double all = static_cast<double>(rows);
-  if (early >= kEarlyAtLeast && static_cast<double>(early) > kEarlyShare * all) return true;
-  if (are_many_left_out(problem, solution)) return true;
-  if (problem.site.noise.tof_sigma_s > 0 &&
-      solution.tof_sigma_s > kNoiseRatio * problem.site.noise.tof_sigma_s)
-    return true;
-  return is_dragged(problem, solution);
-}
 
 std::vector<Contradiction> find_misreadings(const Problem& problem, const Solution& solution,
                                             const SolveOptions& options) {

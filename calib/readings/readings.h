@@ -9,11 +9,6 @@
 
 namespace octant::calib {
 
-/// Whether a calibration came out as one does whose site file or log is wrong as a whole: no or a poor
-/// outcome, many arrivals left out, more than a few of them early, which no echo can be, noise many times the
-/// stated one, or a receiver dragged from its place.
-[[nodiscard]] bool seems_misread(const Problem& problem, const Solution& solution);
-
 /// Looks for the false statement behind such an outcome, one that people often get wrong: a small
 /// combinatorial search over other readings (two of a few control points exchanged; receivers exchanged,
 /// mirrored, turned; receivers or a map in another frame; positions, of some beacons too, in centimetres,

@@ -12,6 +12,7 @@
 #include "calib/plan/check.h"
 #include "calib/problem/subsample.h"
 #include "calib/readings/readings.h"
+#include "calib/readings/seems_misread.h"
 
 namespace octant::calib {
 namespace {

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/readings/pose_clock.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
 
 namespace octant::test {
@@ -39,19 +37,6 @@ TEST(PoseClock, LateStampsAreTakenBack) {
   calib::take_back_lag(0.25, run);
   EXPECT_NEAR(run.poses[10].time_s, 0.75, 1e-12);
   EXPECT_NEAR(run.poses[10].T_map_vehicle.translation_m.x(), 0.3, 1e-12);
-}
-
-TEST(PoseClock, TheLikeliestLagIsFoundToAPartInAHundred) {
-  for (const double lag_s : {0.013, -0.031, 0.2, -0.7, 1.9}) {
-    int asked = 0;
-    // Ranges off by a speed times what is left of the lag, among noise: the logarithm of their spread.
-    const double found = calib::likeliest_lag_s([&](double tried_s) {
-      ++asked;
-      return std::log(std::hypot(0.004, 0.5 * (tried_s - lag_s)));
-    });
-    EXPECT_NEAR(found, lag_s, 0.01 * std::abs(lag_s));
-    EXPECT_LE(asked, 30);
-  }
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // False statements of the site file and of logs, told by reading them otherwise.
 #include "calib/readings/readings.h"
+#include "calib/readings/seems_misread.h"
 
 #include <algorithm>
 #include <cmath>
@@ -347,6 +348,17 @@ TEST(Readings, AccuseNoClockOfErrorsThatPairsKeep) {
                                 5 * world.site.noise.tof_sigma_s * random.normal())
                    .first->second;
   for (const Contradiction& c : explained(world)) EXPECT_NE(c.kind, ContradictionKind::kPoses) << in_words(c);
+}
+
+// Wheels of another diameter: control points and delays were blamed.
+TEST(Readings, NameOdometryWhoseWayIsTooLong) {
+  World world = must(simulate(drive_scenario(), 5));
+  for (OdometryStep& step : world.run.odometry) step.dx_m *= 1.05, step.dy_m *= 1.05;
+  const auto found = explained(world);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].kind, ContradictionKind::kLog);
+  EXPECT_THAT(found[0].found, HasSubstr("its way is"));
+  EXPECT_THAT(found[0].found, HasSubstr("% too long"));
 }
 
 TEST(Readings, NameOdometryThatTurnsClockwise) {

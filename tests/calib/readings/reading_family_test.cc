@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/readings/reading_family.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace octant::test {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(LikeliestSize, IsFoundToAPartInAHundred) {
+  for (const double size : {0.013, -0.031, 0.2, -0.7, 1.9}) {
+    int asked = 0;
+    // Ranges off by a speed times what is left of a lag, among noise: the logarithm of their spread.
+    const double found = calib::likeliest_size(0.02, 2.0, [&](double tried) {
+      ++asked;
+      return std::log(std::hypot(0.004, 0.5 * (tried - size)));
+    });
+    EXPECT_NEAR(found, size, 0.01 * std::abs(size));
+    EXPECT_LE(asked, 30);
+  }
+}
+
+std::vector<MeasurementLog> driven() {
+  std::vector<MeasurementLog> runs(1);
+  runs[0].path = "run";
+  runs[0].odometry = {{.time_s = 1.0, .dx_m = 0.5, .dy_m = 0.1, .dheading_rad = 0.2}};
+  return runs;
+}
+
+TEST(OdometryOfOtherScale, IsReadAsTheVehicleWent) {
+  const std::vector<MeasurementLog> runs = driven();
+  const auto families = calib::odometry_of_other_scale(runs);
+  ASSERT_EQ(families.size(), 2U);
+  const calib::Reading way = families[0].reading(std::log(1.04)), turns = families[1].reading(std::log(0.9));
+  EXPECT_THAT(way.what.found, HasSubstr("its way is 4 % too long"));
+  EXPECT_THAT(way.what.remedy, HasSubstr("multiply dx_m and dy_m by 0.9615"));
+  EXPECT_THAT(turns.what.found, HasSubstr("its turns are 11 % too small"));
+  EXPECT_TRUE(way.is_of_whole && turns.is_of_whole) << "before rows are summed up";
+  MeasurementLog run = runs[0];
+  run.odometry[0].way_m = 0.52;
+  way.log(0, run);
+  turns.log(0, run);
+  EXPECT_NEAR(run.odometry[0].dx_m, 0.5 / 1.04, 1e-12);
+  EXPECT_NEAR(run.odometry[0].dy_m, 0.1 / 1.04, 1e-12);
+  EXPECT_NEAR(run.odometry[0].way_m, 0.5, 1e-12);
+  EXPECT_NEAR(run.odometry[0].dheading_rad, 0.2 / 0.9, 1e-12);
+}
+
+TEST(OdometryStampedLate, IsReadByTheClockOfTheArrivals) {
+  const std::vector<MeasurementLog> runs = driven();
+  const auto families = calib::odometry_stamped_late(runs);
+  ASSERT_EQ(families.size(), 1U);
+  const calib::Reading late = families[0].reading(0.25);
+  EXPECT_THAT(late.what.found, HasSubstr("0.25 s late"));
+  MeasurementLog run = runs[0];
+  late.log(0, run);
+  EXPECT_EQ(run.odometry[0].time_s, 0.75);
+}
+
+TEST(ReadingFamilies, AreNoneWithoutOdometryOrMotion) {
+  std::vector<MeasurementLog> runs(1);
+  EXPECT_TRUE(calib::odometry_of_other_scale(runs).empty());
+  EXPECT_TRUE(calib::odometry_stamped_late(runs).empty());
+  EXPECT_TRUE(calib::poses_stamped_late(runs).empty());
+  runs = driven();
+  runs[0].odometry[0].dz_m = 0.1;
+  EXPECT_TRUE(calib::odometry_of_other_scale(runs).empty()) << "in space";
+}
+
+// Stops whose poses were read as they began: a lag would take them away.
+TEST(PosesStampedLate, MayNotBeLost) {
+  std::vector<MeasurementLog> runs(1);
+  for (int i = 0; i < 50; ++i) {
+    runs[0].poses.push_back({0.1 * i, Pose::planar(0.05 * i, 0.0, 0.0)});
+    runs[0].arrivals.push_back({});
+    runs[0].arrivals.back().time_s = 0.1 * i;
+  }
+  const auto families = calib::poses_stamped_late(runs);
+  ASSERT_EQ(families.size(), 1U);
+  EXPECT_TRUE(families[0].may_be(0.3));
+  EXPECT_FALSE(families[0].may_be(1.5)) << "of five seconds";
+}
+
+}  // namespace
+}  // namespace octant::test
