@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "calib/problem/clock_check.h"
+#include "calib/problem/ranges.h"
 #include "calib/readings/pauses.h"
 #include "calib/readings/reading.h"
 #include "calib/readings/reading_family.h"

@@ -17,7 +17,9 @@ namespace octant::calib {
 /// How far a calibration has come: what it tells whoever listens, and whether he wants it to stop.
 class ProgressMonitor {
  public:
+  /// @param options  outlive it
   explicit ProgressMonitor(const SolveOptions& options) : options_(options) {}
+  explicit ProgressMonitor(SolveOptions&&) = delete;
 
   /// A new stage; false: stop.
   bool report(const std::string& stage, double fraction) {

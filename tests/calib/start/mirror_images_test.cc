@@ -145,8 +145,9 @@ TEST(MirrorImages, WhatAPairKeepsCountsForLess) {
   constexpr std::size_t kBeacon = 1;
   const World world = must(simulate(hall_scenario(), 3));
   const calib::Problem problem = problem_of(world);
-  calib::ProgressMonitor monitor({});
-  const calib::Approach approach = calib::approach(problem, {}, monitor);
+  const calib::SolveOptions options;
+  calib::ProgressMonitor monitor(options);
+  const calib::Approach approach = calib::approach(problem, options, monitor);
   const calib::ParameterLayout& layout = approach.estimate.layout;
   Eigen::VectorXd lower = approach.estimate.x;
   lower[layout.beacon[kBeacon][2]] -= 0.02;
