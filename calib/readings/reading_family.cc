@@ -106,12 +106,14 @@ double likeliest_size(double least, double most, const std::function<double(doub
   constexpr int kBits = 8;
   constexpr std::uintmax_t kMostSteps = 12;
   double best = least, loss_of_best = INFINITY;
-  for (double size = least; size < most; size *= 2)
-    for (const double tried : {size, -size})
+  for (int doublings = 0; std::ldexp(least, doublings) < most; ++doublings)
+    for (const double sign : {1.0, -1.0}) {
+      const double tried = sign * std::ldexp(least, doublings);
       if (const double here = loss(tried); here < loss_of_best) {
         loss_of_best = here;
         best = tried;
       }
+    }
   std::uintmax_t steps = kMostSteps;
   const auto [log_size, refined] = boost::math::tools::brent_find_minima(
       [&](double log_of) { return loss(std::copysign(std::exp(log_of), best)); },

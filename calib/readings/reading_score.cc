@@ -72,6 +72,7 @@ std::vector<MeasurementLog> few_of(const std::vector<MeasurementLog>& runs, cons
   subsample_options.drive_arrivals = std::max(kDriveArrivalsAtLeast, share.drive_arrivals / count);
   subsample_options.fewest_stretches = std::max(kStretchesAtLeast, share.stretches / count);
   std::vector<MeasurementLog> sample;
+  sample.reserve(runs.size());
   for (const MeasurementLog& run : runs) sample.push_back(subsample(run, site, subsample_options));
   return sample;
 }

@@ -104,7 +104,7 @@ class StreamedLog : public CalibrationLog {
  private:
   Result<void> scan() {
     is_scanned_ = true;
-    const auto read = source_.scan([&](std::size_t run, const std::vector<Arrival>& block) {
+    auto read = source_.scan([&](std::size_t run, const std::vector<Arrival>& block) {
       chunks_.add(run, block);
       if (!has_stops_alone(run)) drives_.add(run, block);
       return true;

@@ -71,7 +71,7 @@ std::size_t usable_beacons(const Deployment& deployment) {
       deployment.beacons, [](const DeploymentBeacon& b) { return b.status != BeaconStatus::kUndetermined; }));
 }
 
-tl::unexpected<Error> MisfitOf::operator()(std::string found, std::string expected) const {
+tl::unexpected<Error> MisfitOf::operator()(const std::string& found, std::string expected) const {
   return fail({.code = Errc::kUsage,
                .found = std::string(method_).append(": ").append(found),
                .expected = std::move(expected)});

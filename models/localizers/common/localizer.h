@@ -97,7 +97,7 @@ class Localizer {
 class MisfitOf {
  public:
   explicit MisfitOf(const char* method) : method_(method) {}
-  [[nodiscard]] tl::unexpected<Error> operator()(std::string found, std::string expected) const;
+  [[nodiscard]] tl::unexpected<Error> operator()(const std::string& found, std::string expected) const;
   /// The misfit of a method that needs motion in the plane and synchronised clocks, if there is one.
   [[nodiscard]] Result<void> in_the_plane(const Deployment& deployment) const;
 
