@@ -35,7 +35,6 @@ void ObservationCounts::add(const ObservationCounts& other) {
   observations += other.observations;
   states += other.states;
   squares_s2 += other.squares_s2;
-  poses.add(other.poses);
 }
 
 namespace {
@@ -122,6 +121,14 @@ PoseSquares squares_of_poses(const Trajectory& t, const Segment& segment, const 
 
 }  // namespace
 
+PoseSquares squares_of_poses(const Trajectory& t, const SharedState& state) {
+  PoseSquares of_all;
+  for (const Segment& segment : t.segments)
+    if (t.nodes[segment.first_node].placed && segment.last_pose > segment.first_pose)
+      of_all.add(squares_of_poses(t, segment, state));
+  return of_all;
+}
+
 ObservationCounts count_observations(const Trajectory& t, const SharedState& state, int threads,
                                      bool residuals) {
   ObservationCounts counts;
@@ -155,19 +162,11 @@ ObservationCounts count_observations(const Trajectory& t, const SharedState& sta
                                                     static_cast<std::size_t>(t.block_size());
     for (std::size_t i = segment.first_pose; i < segment.last_pose; ++i)
       counts.observations += pose_rows(t, i, rows);
-    if (segment.last_pose > segment.first_pose) counts.poses.add(squares_of_poses(t, segment, state));
     for (std::size_t i = segment.first_odometry; i < segment.last_odometry; ++i)
       counts.observations += odometry_rows(t, i, rows);
     for (std::size_t i = segment.first_motion; i < segment.last_motion; ++i)
       counts.observations += motion_rows(t, i, rows);
   }
-  return counts;
-}
-
-ObservationCounts counts_of(const std::vector<Trajectory>& trajectories, const SharedState& state,
-                            int threads) {
-  ObservationCounts counts;
-  for (const Trajectory& t : trajectories) counts.add(count_observations(t, state, threads));
   return counts;
 }
 
@@ -193,7 +192,9 @@ CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayou
 CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayout& layout,
                                     const std::vector<Trajectory>& trajectories, const SharedState& state,
                                     double cost, int threads) {
-  return statistics_of(problem, layout, counts_of(trajectories, state, threads), cost);
+  ObservationCounts counts;
+  for (const Trajectory& t : trajectories) counts.add(count_observations(t, state, threads));
+  return statistics_of(problem, layout, counts, cost);
 }
 
 NoiseFactors NoiseSearch::step(const DataSquares& data) {

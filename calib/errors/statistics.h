@@ -19,6 +19,8 @@ struct PoseSquares {
     redundancy += other.redundancy;
   }
 };
+/// Costs a sweep over the states: where the noise is looked for, and nowhere else.
+[[nodiscard]] PoseSquares squares_of_poses(const Trajectory& trajectory, const SharedState& state);
 
 /// What a sum of squares is held against: counts that may be added up over the parts of a log.
 struct ObservationCounts {
@@ -26,15 +28,11 @@ struct ObservationCounts {
   double observations = 0.0;           ///< of all kinds, in use
   std::size_t states = 0;              ///< unknowns of the vehicle's states, as far as anything observes them
   double squares_s2 = 0.0;             ///< of the residuals of arrivals in use
-  PoseSquares poses;
   void add(const ObservationCounts& other);
 };
 /// @param residuals  false: squares_s2 stays zero, which saves the time
 [[nodiscard]] ObservationCounts count_observations(const Trajectory& trajectory, const SharedState& state,
                                                    int threads = 1, bool residuals = true);
-
-[[nodiscard]] ObservationCounts counts_of(const std::vector<Trajectory>& trajectories,
-                                          const SharedState& state, int threads = 1);
 
 /// Statistics of trajectories that were counted.
 [[nodiscard]] CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayout& layout,

@@ -58,10 +58,11 @@ Result<DataSquares> HeldLog::adjust_inliers(Estimate& estimate) {
     estimate.last.data_information.reset();
     if (!adjust_to_rest(estimate)) return interrupted();
   }
-  const ObservationCounts counts = counts_of(trajectories_, estimate.state(), options_.threads);
-  statistics_ = statistics(estimate, counts);
-  return DataSquares{estimate.last.cost - prior_cost(problem_, estimate.layout, estimate.x),
-                     statistics_->redundancy, counts.poses};
+  statistics_ = statistics(estimate);
+  DataSquares squares{estimate.last.cost - prior_cost(problem_, estimate.layout, estimate.x),
+                      statistics_->redundancy};
+  for (const Trajectory& t : trajectories_) squares.poses.add(squares_of_poses(t, estimate.state()));
+  return squares;
 }
 
 bool HeldLog::adjust_to_rest(Estimate& estimate) {
@@ -71,8 +72,9 @@ bool HeldLog::adjust_to_rest(Estimate& estimate) {
   return !estimate.last.interrupted;
 }
 
-CalibrationStatistics HeldLog::statistics(const Estimate& estimate, const ObservationCounts& counts) const {
-  return statistics_of(problem_, estimate.layout, counts, estimate.last.cost);
+CalibrationStatistics HeldLog::statistics(const Estimate& estimate) const {
+  return statistics_of(problem_, estimate.layout, trajectories_, estimate.state(), estimate.last.cost,
+                       options_.threads);
 }
 
 void HeldLog::scale_noise(Estimate& estimate, const NoiseFactors& factors) {
@@ -89,8 +91,7 @@ Result<LogFindings> HeldLog::findings(const Estimate& estimate) {
   LogFindings all;
   Findings& f = all.findings;
   const SharedState state = estimate.state();
-  f.statistics =
-      statistics_ ? *statistics_ : statistics(estimate, counts_of(trajectories_, state, options_.threads));
+  f.statistics = statistics_ ? *statistics_ : statistics(estimate);
   f.whiteness = whiteness_of(trajectories_, state, options_.threads);
   f.flips = report_flips(problem_, trajectories_, start_headings_rad_);
   f.left_out = left_out_of(problem_, trajectories_, state);

@@ -30,8 +30,7 @@ class HeldLog : public CalibrationLog {
 
  private:
   bool adjust_to_rest(Estimate& estimate);
-  [[nodiscard]] CalibrationStatistics statistics(const Estimate& estimate,
-                                                 const ObservationCounts& counts) const;
+  [[nodiscard]] CalibrationStatistics statistics(const Estimate& estimate) const;
 
   const Problem& problem_;
   const SolveOptions& options_;

@@ -18,19 +18,21 @@ struct PassCounts {
   double cost_before = 0.0;  ///< with the rejections as they were before the pass
   std::size_t changed = 0;   ///< marks
   ObservationCounts of_log;  ///< without residuals
+  PoseSquares poses;
 
   void add(const PassCounts& other) {
     cost_before += other.cost_before;
     changed += other.changed;
     of_log.add(other.of_log);
+    poses.add(other.poses);
   }
 };
 /// As ranks add them up.
 template <class Buffer>
 void exchange(Buffer& buffer, BufferRecord<PassCounts> auto&& counts) {
   buffer.exchange(counts.cost_before, counts.changed, counts.of_log.used, counts.of_log.rejected,
-                  counts.of_log.observations, counts.of_log.states, counts.of_log.poses.squares,
-                  counts.of_log.poses.redundancy);
+                  counts.of_log.observations, counts.of_log.states, counts.poses.squares,
+                  counts.poses.redundancy);
 }
 
 /// What one reading of a log leaves of it at an estimate.

@@ -83,7 +83,7 @@ class StreamedLog : public CalibrationLog {
     return DataSquares{
         estimate.last.cost - prior_cost(frame_, estimate.layout, estimate.x),
         statistics_of(frame_, estimate.layout, last->counts.of_log, estimate.last.cost).redundancy,
-        last->counts.of_log.poses};
+        last->counts.poses};
   }
 
   void scale_noise(Estimate& estimate, const NoiseFactors& factors) override {

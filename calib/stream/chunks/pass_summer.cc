@@ -31,7 +31,10 @@ void PassSummer::add(std::size_t chunk, std::vector<Trajectory>& trajectories, c
   tiles->share_states();
   // The costs of chains are known better now (Tile::reduce).
   if (policy != RejectionPolicy::kConverged || counts.changed == 0) counts.cost_before = system.cost;
-  for (const Trajectory& t : trajectories) counts.of_log.add(count_observations(t, state, 1, false));
+  for (const Trajectory& t : trajectories) {
+    counts.of_log.add(count_observations(t, state, 1, false));
+    counts.poses.add(squares_of_poses(t, state));
+  }
   in_order_.add(chunk, of_chunk, [this](std::size_t, const PassSum& next) { sum_.add(next); });
 }
 

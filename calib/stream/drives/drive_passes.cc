@@ -292,8 +292,9 @@ Result<PassSum> DrivePasses::pass(const Estimate& estimate, RejectionPolicy poli
     OpenChain system;
     if (w.t().nodes.front().placed)
       solve_states(*w.piece, estimate.layout, state, policy, counts[k], w, system);
-    // The share of the poses in the redundancy is that of the piece by itself: a part in some thousands less.
     counts[k].of_log = count_observations(w.t(), state, 1, false);
+    // The share of the poses in the redundancy is that of the piece by itself: a part in some thousands less.
+    counts[k].poses = squares_of_poses(w.t(), state);
     if (w.piece->open_left && w.t().nodes.front().placed)  // told before
       counts[k].of_log.states -= static_cast<std::size_t>(block_size());
     joined.add(k, system);

@@ -106,7 +106,7 @@ TEST(NoiseSearch, PosesThatSeemWorseThanStatedAreLeft) {
 }
 
 // By a dense inverse of all states of a stretch.
-TEST(ObservationCounts, HaveThePosesShareOfTheRedundancy) {
+TEST(SquaresOfPoses, HaveTheirShareOfTheRedundancy) {
   Scenario scenario = test::drive_scenario(20.0);
   scenario.log_poses = true;
   scenario.pose_accuracy = {.position_sigma_m = 0.005, .heading_sigma_rad = 0.01};
@@ -144,7 +144,7 @@ TEST(ObservationCounts, HaveThePosesShareOfTheRedundancy) {
           redundancy += 1.0 - (J * P).dot(J);
         }
     }
-    const PoseSquares counted = count_observations(t, state).poses;
+    const PoseSquares counted = squares_of_poses(t, state);
     EXPECT_NEAR(counted.squares, squares, 1e-9 * squares);
     EXPECT_NEAR(counted.redundancy, redundancy, 1e-8 * redundancy);
     EXPECT_GT(redundancy, 10.0);
