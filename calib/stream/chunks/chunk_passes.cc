@@ -121,7 +121,7 @@ Result<LogReadings::Placed> ChunkPasses::place(const Estimate& estimate, double 
   const SpreadArrivals spread(task_.arrivals, state, prior_state(task_.frame.site));
   std::vector<std::vector<double>> residuals(kept_.size()), ranges(kept_.size());
   PassSummer summer(first_, estimate.layout.size());
-  const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
+  auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
     for_each_arrival(w, [&](std::size_t number, const Trajectory& t, const ArrivalObservation& a) {
       spread.add_range(number, t, a, ranges[k]);
     });
@@ -158,7 +158,7 @@ Result<LogReadings::Placed> ChunkPasses::place(const Estimate& estimate, double 
 Result<PassSum> ChunkPasses::pass(const Estimate& estimate, RejectionPolicy policy) {
   const SharedState state = estimate.state();
   PassSummer summer(first_, estimate.layout.size());
-  const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
+  auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
     restore(kept_[k], estimate, w);
     summer.add(k, w.trajectories, estimate.layout, state, task_.options.rejection_sigmas, policy, w.sum);
     keep(w, kept_[k]);
@@ -169,7 +169,7 @@ Result<PassSum> ChunkPasses::pass(const Estimate& estimate, RejectionPolicy poli
 
 Result<void> ChunkPasses::gather(const Estimate& estimate, FindingsGatherer& gatherer) {
   std::vector<std::vector<double>> buffers(kept_.size());
-  const auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
+  auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
     restore(kept_[k], estimate, w);
     const float* start_heading_rad = kept_[k].start_heading_rad.data();
     for (const Trajectory& t : w.trajectories) {

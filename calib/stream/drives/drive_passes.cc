@@ -160,7 +160,7 @@ Result<LogReadings::Placed> DrivePasses::place(const Estimate& estimate, double 
   std::vector<std::vector<double>> residuals(kept_.size()), ranges(kept_.size());
   std::vector<double> ends(kept_.size() * std::tuple_size_v<EndNumbers>, 0.0);
   // What is heard before and behind a piece tells its ends as well.
-  const auto done = for_each_piece(true, [&](std::size_t k, DriveWork& w) {
+  auto done = for_each_piece(true, [&](std::size_t k, DriveWork& w) {
     apply_gates(task_.frame.site, w.trajectory, 1);
     place_all_drives(task_.frame, state, estimate.beacon_usable, 1, w.trajectory);
     const Trajectory& t = w.t();
@@ -287,7 +287,7 @@ Result<PassSum> DrivePasses::pass(const Estimate& estimate, RejectionPolicy poli
   tried_.state = ends_at(estimate.x);
   JoinedEnds joined(*this, estimate.layout.size());
   std::vector<PassCounts> counts(kept_.size());
-  const auto done = for_each_piece(false, [&](std::size_t k, DriveWork& w) {
+  auto done = for_each_piece(false, [&](std::size_t k, DriveWork& w) {
     restore(k, estimate, tried_.state, w);
     OpenChain system;
     if (w.t().nodes.front().placed)
@@ -315,7 +315,7 @@ Result<PassSum> DrivePasses::pass(const Estimate& estimate, RejectionPolicy poli
 
 Result<void> DrivePasses::gather(const Estimate& estimate, FindingsGatherer& gatherer) {
   std::vector<std::vector<double>> buffers(kept_.size());
-  const auto done = for_each_piece(false, [&](std::size_t k, DriveWork& w) {
+  auto done = for_each_piece(false, [&](std::size_t k, DriveWork& w) {
     restore(k, estimate, from_.state, w);
     const Trajectory& t = w.t();
     std::vector<Segment> some;
