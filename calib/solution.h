@@ -11,6 +11,7 @@
 
 #include "calib/errors/error_model.h"
 #include "calib/errors/reliability.h"
+#include "calib/statements/common_errors.h"
 #include "models/deployment.h"
 #include "models/trajectory/shared_state.h"
 #include "models/trajectory/trajectory.h"
@@ -77,10 +78,11 @@ struct Solution {
   SharedState state;                     ///< beacons, delays, speed, receivers, attenuation
   std::vector<Trajectory> trajectories;  ///< adjusted vehicle states, arrivals marked used or rejected
   std::vector<BeaconStatus> beacon_status;
-  JointCovariance covariance;        ///< SI units; empty where it would be too large
-  MarginalCovariance marginals;      ///< then these
-  JointCovariance white_covariance;  ///< as if errors were white; empty where `covariance` is that
-  ErrorModel errors;                 ///< how the errors of arrivals hang together
+  JointCovariance covariance;              ///< SI units; empty where it would be too large
+  MarginalCovariance marginals;            ///< then these
+  JointCovariance white_covariance;        ///< as if errors were white; empty where `covariance` is that
+  ErrorModel errors;                       ///< how the errors of arrivals hang together
+  std::vector<CommonError> common_errors;  ///< that no parameter takes up, as the residuals show them
   Datum datum;
   CalibrationStatistics statistics;
   Reliability reliability;   ///< redundancy numbers, detectable biases, error ellipses, variance components

@@ -37,4 +37,27 @@ const std::vector<Reflection>& reflections() {
   return all;
 }
 
+std::optional<Pose> frame_between(const std::vector<Eigen::Vector3d>& from,
+                                  const std::vector<Eigen::Vector3d>& to) {
+  constexpr double kSpread_m2 = 0.01;
+  if (from.empty() || from.size() != to.size()) return std::nullopt;
+  Eigen::Vector3d a = Eigen::Vector3d::Zero(), b = a;
+  const auto n = static_cast<double>(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    a += from[i] / n;
+    b += to[i] / n;
+  }
+  double along = 0.0, across = 0.0, spread_m2 = 0.0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const Eigen::Vector3d p = from[i] - a, q = to[i] - b;
+    along += p.x() * q.x() + p.y() * q.y();
+    across += p.x() * q.y() - p.y() * q.x();
+    spread_m2 += p.head<2>().squaredNorm();
+  }
+  if (spread_m2 < kSpread_m2) return std::nullopt;
+  Pose T = Pose::planar(0.0, 0.0, std::atan2(across, along));
+  T.translation_m = b - T.rotation * a;
+  return T;
+}
+
 }  // namespace octant::calib

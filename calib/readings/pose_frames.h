@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "models/physics/pose.h"
@@ -18,5 +19,10 @@ struct Reflection {
 /// Those that other programs write: y or x the other way round, x and y exchanged (north, east, down),
 /// headings clockwise.
 [[nodiscard]] const std::vector<Reflection>& reflections();
+
+/// Turn about the vertical and shift that take points of one frame to those of another, by least squares
+/// (Umeyama 1991, in the plane and without a scale); nothing of points that do not tell a turn.
+[[nodiscard]] std::optional<Pose> frame_between(const std::vector<Eigen::Vector3d>& from,
+                                                const std::vector<Eigen::Vector3d>& to);
 
 }  // namespace octant::calib

@@ -153,6 +153,24 @@ Reading poses_of_other_point(const std::vector<MeasurementLog>& runs, const Eige
           true};
 }
 
+Reading poses_of_other_frame(const std::vector<MeasurementLog>& runs, const Pose& T_map_frame) {
+  constexpr double kDegrees = 180.0 / M_PI;
+  const double turn = kDegrees * T_map_frame.heading_rad();
+  const Eigen::Vector3d& shift = T_map_frame.translation_m;
+  return {
+      {ContradictionKind::kPoses, "in " + path_of_poses(runs), "in the frame of the control points",
+       fmt::format("that the control points are in a frame turned by {:.2f} degrees against theirs", turn),
+       0.0,
+       fmt::format("measure both in one frame, or turn the poses (headings too) by {:.3f} degrees "
+                   "counter-clockwise about the origin and then shift them by ({:.3f}, {:.3f}) m",
+                   turn, shift.x(), shift.y())},
+      {},
+      [T_map_frame](std::size_t, MeasurementLog& run) {
+        for (TimedPose& pose : run.poses) pose.T_map_vehicle = T_map_frame * pose.T_map_vehicle;
+      },
+      true};
+}
+
 std::vector<Reading> other_odometry(const std::vector<MeasurementLog>& runs) {
   struct Convention {
     const char* words;

@@ -46,6 +46,10 @@ struct Reading {
 [[nodiscard]] Reading poses_of_other_point(const std::vector<MeasurementLog>& runs,
                                            const Eigen::Vector3d& lever_m);
 
+/// Measured poses in a frame that is turned or shifted against the control points'.
+/// @param T_map_frame  of that frame in the map
+[[nodiscard]] Reading poses_of_other_frame(const std::vector<MeasurementLog>& runs, const Pose& T_map_frame);
+
 /// Odometry with the turns or the way of another sign, in degrees, centimetres or millimetres; none where
 /// there is none, or it is in space.
 [[nodiscard]] std::vector<Reading> other_odometry(const std::vector<MeasurementLog>& runs);

@@ -16,7 +16,10 @@ namespace octant::calib {
 namespace {
 
 constexpr double kLeastLag_s = 0.02, kMostLag_s = 2.0;
-constexpr double kLeastScale = 0.01, kMostScale = 0.5;  ///< natural logarithms of factors
+constexpr double kLeastScale = 0.01, kMostScale = 0.5;
+/// Of the errors that residuals show, the clearest; their sizes come out too small, as all bends to them.
+constexpr std::size_t kCommonErrors = 3;
+constexpr double kMostOverFound = 16.0;
 /// Share of the arrivals with a pose that a lag must leave.
 constexpr double kPosesKept = 0.9;
 
@@ -28,41 +31,22 @@ std::string planar_odometry(const std::vector<MeasurementLog>& runs) {
              : "";
 }
 
-/// What of odometry is measured by one constant.
-struct Measured {
-  const char *subject, *too_much, *too_little, *columns, *cause;
-  void (*rescale)(OdometryStep& step, double factor);
-};
-constexpr Measured kWay = {"its way is",
-                           "long",
-                           "short",
-                           "dx_m and dy_m",
-                           "the diameter of the wheels",
-                           [](OdometryStep& step, double factor) {
-                             step.dx_m *= factor, step.dy_m *= factor, step.way_m *= factor;
-                           }};
-constexpr Measured kTurns = {"its turns are",
-                             "large",
-                             "small",
-                             "dheading_rad",
-                             "the distance between the wheels, or the gyroscope",
-                             [](OdometryStep& step, double factor) { step.dheading_rad *= factor; }};
-
-/// Sizes are logarithms of the factor by which it comes out too large.
-ReadingFamily of_other_scale(const std::string& file, const Measured& m) {
-  const auto reading = [file, &m](double size) -> Reading {
-    const double factor = std::exp(-size);
-    return {{ContradictionKind::kLog, file, "metres and radians as the vehicle went them",
-             fmt::format("that {} {:.2g} % too {}", m.subject, 100 * std::expm1(std::abs(size)),
-                         size > 0 ? m.too_much : m.too_little),
-             0.0, fmt::format("look at {}, or multiply {} by {:.4g}", m.cause, m.columns, factor)},
+/// With an error of that kind and of any size.
+ReadingFamily with_error(CommonError error, const Site& site, const std::vector<MeasurementLog>& runs) {
+  std::vector<std::pair<double, double>> spans_s;
+  for (const MeasurementLog& run : runs) spans_s.push_back(span_of(run.arrivals));
+  error.sigmas = 0.0;
+  const auto reading = [error, &site, &runs, spans_s](double size) -> Reading {
+    CommonError sized = error;
+    sized.size = size;
+    return {contradiction_of(sized, site, runs),
             {},
-            [&m, factor](std::size_t, MeasurementLog& run) {
-              for (OdometryStep& step : run.odometry) m.rescale(step, factor);
+            [sized, spans_s](std::size_t run, MeasurementLog& log) {
+              if (is_of_odometry(sized) || run == sized.run) take_back(sized, spans_s[run], log);
             },
             true};
   };
-  return {reading, kLeastScale, kMostScale};
+  return {reading};
 }
 
 }  // namespace
@@ -78,10 +62,31 @@ std::vector<ReadingFamily> poses_stamped_late(const std::vector<MeasurementLog>&
            keeps_poses}};
 }
 
-std::vector<ReadingFamily> odometry_of_other_scale(const std::vector<MeasurementLog>& runs) {
-  const std::string file = planar_odometry(runs);
-  if (file.empty()) return {};
-  return {of_other_scale(file, kWay), of_other_scale(file, kTurns)};
+std::vector<ReadingFamily> odometry_of_other_scale(const Site& site,
+                                                   const std::vector<MeasurementLog>& runs) {
+  if (planar_odometry(runs).empty()) return {};
+  const auto driven = std::ranges::find_if(runs, [](const auto& run) { return !run.odometry.empty(); });
+  std::vector<ReadingFamily> families;
+  for (const CommonError::Kind kind : {CommonError::Kind::kWay, CommonError::Kind::kTurns}) {
+    families.push_back(
+        with_error({.kind = kind, .run = static_cast<std::size_t>(driven - runs.begin())}, site, runs));
+    families.back().least = kLeastScale;
+    families.back().most = kMostScale;
+  }
+  return families;
+}
+
+std::vector<ReadingFamily> with_common_errors(const std::vector<CommonError>& errors, const Site& site,
+                                              const std::vector<MeasurementLog>& runs) {
+  std::vector<ReadingFamily> families;
+  for (const CommonError& error : errors) {
+    if (families.size() == kCommonErrors) break;
+    if (is_of_odometry(error)) continue;
+    families.push_back(with_error(error, site, runs));
+    families.back().least = std::abs(error.size) / 2;
+    families.back().most = std::abs(error.size) * kMostOverFound;
+  }
+  return families;
 }
 
 std::vector<ReadingFamily> odometry_stamped_late(const std::vector<MeasurementLog>& runs) {

@@ -93,6 +93,7 @@ ReadingScore score_of(const Site& site, const std::vector<MeasurementLog>& runs,
   (void)reject_outliers(found.trajectories, it.state(), limit * score.noise, options.threads);
   it.last = adjust(*problem, it.layout, found.trajectories, it.x, monitor.adjust_options(0.0, 1e-6));
   score.disregarded = disregarded_places(problem->site, it.layout);
+  score.beacon_p_map_m = it.state().beacon_p_map_m;
   score.receiver_p_vehicle_m = it.state().receiver_p_vehicle_m;
   judge_arrivals(it, found.trajectories, cap, n, score);
   return score;

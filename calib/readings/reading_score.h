@@ -21,7 +21,7 @@ struct ReadingScore {
   double arrivals = 0.0;
   std::size_t disregarded = 0;     ///< beacons whose stated places were not believed
   std::vector<double> sizes = {};  ///< of the residuals, in stated sigmas
-  std::vector<Eigen::Vector3d> receiver_p_vehicle_m = {};
+  std::vector<Eigen::Vector3d> beacon_p_map_m = {}, receiver_p_vehicle_m = {};
 };
 
 /// How much of the recordings is adjusted.

@@ -14,6 +14,7 @@
 #include "calib/problem/clock_check.h"
 #include "calib/problem/ranges.h"
 #include "calib/readings/pauses.h"
+#include "calib/readings/pose_frames.h"
 #include "calib/readings/reading.h"
 #include "calib/readings/reading_family.h"
 #include "calib/readings/reading_score.h"
@@ -37,7 +38,8 @@ constexpr LogShare kFirstShare = {16, 12, 600, 8}, kSecondShare = {40, 30, 1500,
 constexpr double kWorthASecondTrial = 0.8;  ///< of the loss as stated
 constexpr std::size_t kSecondTrials = 2;    ///< of each kind
 constexpr double kPlainSigmas = 8.0;        ///< by which a reading must explain more than what was stated
-constexpr double kLooseReceiver_m = 0.5;    ///< sigma of a place that the poses alone are to tell
+/// Sigmas of places that the poses alone are to tell.
+constexpr double kLooseReceiver_m = 0.5, kLoosePoint_m = 1.0;
 
 class Search {
  public:
@@ -59,7 +61,10 @@ class Search {
     if (is_blamed(ContradictionKind::kControlPoint)) try_exchanged_points();
     if (is_blamed(ContradictionKind::kSpeed)) try_out(scales(), true);
     if (found_.empty()) try_clock_and_point_of_poses();
-    if (found_.empty()) try_errors_of_odometry();
+    if (found_.empty()) {
+      try_families(with_common_errors(solution_.common_errors, site_, problem_.runs));
+      try_errors_of_odometry();
+    }
     if (found_.empty()) try_out(jumped_clocks(site_, problem_.runs, options_));
     return best();
   }
@@ -210,19 +215,37 @@ class Search {
     if (explains(s) || (is_likelier(s) && s.noise <= kNoiseOfAll)) found_.push_back({reading.what, s});
   }
 
-  /// Measured poses by another clock, and of another point of the vehicle. A vehicle that always drives as
-  /// fast has the one look much like the other.
+  /// By another clock, of another point, in another frame; one may look much like the other.
   void try_clock_and_point_of_poses() {
     const std::vector<MeasurementLog>& runs = problem_.runs;
     if (std::ranges::all_of(runs, [](const auto& run) { return run.poses.empty(); })) return;
     try_families(poses_stamped_late(runs));
     accept(poses_of_other_point(runs, -with_loose_receivers().shift_m));
+    if (const auto T_map_frame = frame_of_poses()) accept(poses_of_other_frame(runs, *T_map_frame));
+  }
+
+  /// By where the poses would have the control points; nothing where one of these alone is elsewhere.
+  [[nodiscard]] std::optional<Pose> frame_of_poses() const {
+    const auto blamed =
+        std::ranges::count(solution_.contradictions, ContradictionKind::kControlPoint, &Contradiction::kind);
+    if (blamed < 2) return std::nullopt;
+    Site loose = site_;
+    for (SiteBeacon& b : loose.beacons)
+      if (b.is_control_point()) b.sigma_m.fill(kLoosePoint_m);
+    const ReadingScore s = score_of(loose, second_, options_, true);
+    std::vector<Eigen::Vector3d> by_poses, stated;
+    for (std::size_t i = 0; i < s.beacon_p_map_m.size(); ++i)
+      if (const SiteBeacon& b = site_.beacons[i]; b.is_control_point()) {
+        by_poses.push_back(s.beacon_p_map_m[i]);
+        stated.emplace_back(*b.position_m[0], *b.position_m[1], *b.position_m[2]);
+      }
+    return frame_between(by_poses, stated);
   }
 
   /// Odometry of another scale or clock. Where receivers elsewhere explain as much as a clock, they are
   /// blamed.
   void try_errors_of_odometry() {
-    try_families(odometry_of_other_scale(problem_.runs));
+    try_families(odometry_of_other_scale(site_, problem_.runs));
     if (!found_.empty()) return;
     try_families(odometry_stamped_late(problem_.runs));
     if (!found_.empty() && with_loose_receivers().loss < found_.back().score.loss + kTie) found_.pop_back();

@@ -45,6 +45,11 @@ double growth_of_sigmas(const Solution& solution) {
   return median(std::move(growth));
 }
 
+/// The same where they may be white, of which they are at least as large.
+double growth(const Solution& solution) {
+  return solution.white_covariance.parameters.empty() ? 1.0 : std::max(1.0, growth_of_sigmas(solution));
+}
+
 void warn_of_correlation(const Findings& findings, Solution& solution) {
   const ErrorModel& errors = solution.errors;
   const Whiteness& w = findings.whiteness;
@@ -128,11 +133,28 @@ void contradict(const Problem& problem, const SolveOptions& options, const Estim
   StatementFindings stated = test_statements(problem, options, estimate, trajectories);
   for (Contradiction& c : stated.contradictions) solution.contradictions.push_back(std::move(c));
   if (!stated.fit) return;
-  Agreement agreement = agreement_of(
-      problem, options, *stated.fit, solution.contradictions,
-      solution.white_covariance.parameters.empty() ? 1.0 : std::max(1.0, growth_of_sigmas(solution)));
+  Agreement agreement =
+      agreement_of(problem, options, *stated.fit, solution.contradictions, growth(solution));
   for (Contradiction& c : agreement.contradictions) solution.contradictions.push_back(std::move(c));
   for (std::string& warning : agreement.warnings) solution.warnings.push_back(std::move(warning));
+}
+
+/// Errors that observations have in common. A clock that jumped and odometry of another scale speak against
+/// what was stated; a medium that changes and a clock that drifts are told, as all sites have some of it.
+void tell_common_errors(const Problem& problem, Solution& solution) {
+  for (const CommonError& e : solution.common_errors) {
+    if (e.rank == CommonError::Rank::kLess) continue;
+    Contradiction told = contradiction_of(e, problem.site, problem.runs);
+    const bool is_stated = is_of_odometry(e) || e.kind == CommonError::Kind::kJump;
+    if (is_stated && e.rank == CommonError::Rank::kAlone) {
+      solution.contradictions.push_back(std::move(told));
+      continue;
+    }
+    std::string warning = in_words(told) + "; " + told.remedy;
+    if (e.rank == CommonError::Rank::kAmongEquals)
+      warning += "; a medium that changes, a clock that drifts and one that jumped look alike here";
+    solution.warnings.push_back(std::move(warning));
+  }
 }
 
 /// Covariance and verdict, and only these, from other weights of the observations.
@@ -189,6 +211,9 @@ void conclude_as_is(const Problem& problem, const SolveOptions& options, const E
   solution.warnings.insert(solution.warnings.end(), findings.flips.begin(), findings.flips.end());
   if (solution.status == SolveStatus::kConverged && !is_bent_by_a_clock(problem, solution))
     contradict(problem, options, estimate, trajectories, solution);
+  if (solution.status == SolveStatus::kConverged)
+    solution.common_errors = common_errors(trajectories, solution.state, growth(solution), options.threads);
+  if (solution.contradictions.empty()) tell_common_errors(problem, solution);
   if (!solution.contradictions.empty())
     return;  // which tell the culprit; what follows would name the innocent
   warn_of_noise(problem, findings, estimate, trajectories, solution);

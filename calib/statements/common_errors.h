@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "models/contradiction.h"
+#include "models/run.h"
+#include "models/site.h"
+#include "models/trajectory/trajectory.h"
+
+namespace octant::calib {
+
+/// An error that many observations have in common and that no parameter takes up.
+struct CommonError {
+  enum class Kind {
+    kWay,    ///< odometry's is too long by that part of it
+    kTurns,  ///< likewise too large
+    kSpeed,  ///< sound is faster by that part of it at the recording's end than at its beginning
+    kDrift,  ///< times of flight are longer by that [s] at its end
+    kJump    ///< times of flight are longer by that [s] from a time on
+  };
+  Kind kind = Kind::kWay;
+  std::size_t run = 0;  ///< index into Problem::runs; all odometry has one error
+  double time_s = 0.0;  ///< of a jump
+  double size = 0.0;    ///< about, and rather too small
+  double sigmas = 0.0;  ///< size over its standard deviation
+  /// Of the errors that explain the same residuals (those of one recording's arrivals, or of odometry).
+  enum class Rank { kAlone, kAmongEquals, kLess } rank = Rank::kAlone;
+};
+
+[[nodiscard]] inline bool is_of_odometry(const CommonError& error) {
+  return error.kind == CommonError::Kind::kWay || error.kind == CommonError::Kind::kTurns;
+}
+
+/// Those that residuals show beyond chance (score_test.h), of each recording and of odometry the clearest
+/// first, one of a kind. Of a long recording an evenly spread part is looked at.
+/// @param trajectories  adjusted
+/// @param growth        of sigmas by errors that are correlated
+[[nodiscard]] std::vector<CommonError> common_errors(const std::vector<Trajectory>& trajectories,
+                                                     const SharedState& state, double growth,
+                                                     int threads = 1);
+
+/// What it says against what is taken for granted, and what to do about it.
+[[nodiscard]] Contradiction contradiction_of(const CommonError& error, const Site& site,
+                                             const std::vector<MeasurementLog>& runs);
+
+/// "from 12.5 s on times of flight are 0.12 ms longer"
+[[nodiscard]] std::string jump_in_words(double time_s, double step_s);
+
+/// Takes the error out of a run: observations as they would have been without it.
+/// @param span_s  of the whole recording's arrivals: when the first and the last came
+void take_back(const CommonError& error, std::pair<double, double> span_s, MeasurementLog& run);
+/// When the first and the last arrival of a recording came; infinite where there is none.
+[[nodiscard]] std::pair<double, double> span_of(const std::vector<Arrival>& arrivals);
+
+}  // namespace octant::calib

@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/statements/common_errors.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "calib/statements/hints.h"
+#include "tests/calib/readings/cart.h"
+
+namespace octant::test {
+namespace {
+
+using ::testing::AnyOf;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using Kind = calib::CommonError::Kind;
+
+/// With an error in it, by what takes it back.
+World with_error(World world, calib::CommonError error) {
+  error.size = -error.size;
+  calib::take_back(error, calib::span_of(world.run.arrivals), world.run);
+  return world;
+}
+
+double middle_s(const World& world) { return world.run.arrivals[world.run.arrivals.size() / 2].time_s; }
+
+calib::Solution explained_solution(const World& world) {
+  const calib::Problem problem = problem_of(world);
+  calib::Solution solution = calib::solve(problem);
+  calib::explain(problem, problem, solution, {});
+  return solution;
+}
+
+TEST(CommonErrors, AreNoneWhereThereAreNone) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    EXPECT_THAT(solution_of(must(simulate(drive_scenario(), seed))).common_errors, IsEmpty()) << seed;
+    EXPECT_THAT(solution_of(cart(40, seed)).common_errors, IsEmpty()) << seed;
+  }
+}
+
+TEST(CommonErrors, AreToldApartAndSized) {
+  const World drive = must(simulate(drive_scenario(), 5)), stops = cart(60, 5);
+  const double jump_s = middle_s(stops);
+  const std::pair<World, calib::CommonError> cases[] = {
+      {drive, {.kind = Kind::kTurns, .size = 0.03}},
+      {drive, {.kind = Kind::kTurns, .size = -0.03}},
+      {drive, {.kind = Kind::kSpeed, .size = 0.004}},
+      {stops, {.kind = Kind::kSpeed, .size = -0.003}},
+      {stops, {.kind = Kind::kDrift, .size = 1e-4}},
+      {stops, {.kind = Kind::kJump, .time_s = jump_s, .size = 1.2e-4}}};
+  for (const auto& [world, error] : cases) {
+    const auto found = solution_of(with_error(world, error)).common_errors;
+    SCOPED_TRACE(testing::Message() << static_cast<int>(error.kind) << " of " << error.size);
+    ASSERT_FALSE(found.empty());
+    EXPECT_EQ(found.front().kind, error.kind);
+    EXPECT_GT(found.front().size / error.size, 0.2);
+    EXPECT_LT(found.front().size / error.size, 1.3);
+  }
+}
+
+// Its sigmas were a tenth of what the beacons were off by, and the grade was Good.
+TEST(CommonErrors, OdometryThatTurnsTooFarIsContradicted) {
+  const World world = with_error(must(simulate(drive_scenario(), 6)), {.kind = Kind::kTurns, .size = 0.02});
+  const calib::Solution solution = explained_solution(world);
+  ASSERT_EQ(solution.contradictions.size(), 1U);
+  EXPECT_EQ(solution.contradictions[0].kind, ContradictionKind::kLog);
+  EXPECT_THAT(solution.contradictions[0].found, HasSubstr("its turns are"));
+  EXPECT_THAT(solution.contradictions[0].found, HasSubstr("% too large"));
+}
+
+TEST(CommonErrors, AHallThatWarmsIsToldAndNothingIsBlamed) {
+  const World world = with_error(cart(60, 7), {.kind = Kind::kSpeed, .size = 0.003});
+  const calib::Solution solution = explained_solution(world);
+  EXPECT_THAT(solution.contradictions, IsEmpty());
+  EXPECT_THAT(solution.warnings,
+              Contains(AllOf(HasSubstr("faster at its end than at its beginning"),
+                             HasSubstr("air that warms by 1."), HasSubstr("temperature_degC"))));
+}
+
+// Control points that bend to it were blamed.
+TEST(CommonErrors, AClockThatJumpedDuringADriveIsNamed) {
+  World world = must(simulate(drive_scenario(40.0), 8));
+  world = with_error(world, {.kind = Kind::kJump, .time_s = middle_s(world), .size = 1.5e-4});
+  const calib::Solution solution = explained_solution(world);
+  ASSERT_EQ(solution.contradictions.size(), 1U);
+  EXPECT_THAT(solution.contradictions[0].found, HasSubstr("that it jumped: from"));
+}
+
+TEST(CommonErrors, AreSaidWithWhatToDo) {
+  std::vector<MeasurementLog> runs(1);
+  runs[0].path = "hall/run";
+  Site site;
+  site.medium.model = MediumModel::kCramer1993;
+  const auto said = [&](const calib::CommonError& error) {
+    const Contradiction c = calib::contradiction_of(error, site, runs);
+    return in_words(c) + "; " + c.remedy;
+  };
+  EXPECT_THAT(said({.kind = Kind::kWay, .size = 0.02, .sigmas = 9.0}),
+              AllOf(HasSubstr("hall/run/odometry.csv"), HasSubstr("its way is 2 % too long (9.0 sigma)"),
+                    HasSubstr("multiply dx_m and dy_m by 0.9804")));
+  EXPECT_THAT(said({.kind = Kind::kSpeed, .size = -0.0035}),
+              AllOf(HasSubstr("0.35 % slower"), HasSubstr("air that cools by 1.9 degC")));
+  EXPECT_THAT(said({.kind = Kind::kDrift, .size = 5e-5}), HasSubstr("0.05 ms longer at its end"));
+  EXPECT_THAT(said({.kind = Kind::kJump, .time_s = 12.5, .size = -5e-5}),
+              HasSubstr("from 12.5 s on times of flight are 0.05 ms shorter"));
+  site.medium.model = MediumModel::kConstant;
+  EXPECT_THAT(said({.kind = Kind::kSpeed, .size = 0.001}), Not(HasSubstr("degC by")));
+}
+
+// Light does not hang on the temperature.
+TEST(CommonErrors, RadioHasNoWeather) {
+  World world = cart(60, 7);
+  Trajectory t = solution_of(with_error(world, {.kind = Kind::kSpeed, .size = 0.003})).trajectories[0];
+  const calib::Solution solution = solution_of(with_error(world, {.kind = Kind::kSpeed, .size = 0.003}));
+  std::vector<Trajectory> radio = solution.trajectories;
+  for (Trajectory& of_radio : radio) of_radio.nominal_speed_mps = 3e8;
+  const auto is_of_speed = [](const calib::CommonError& e) { return e.kind == Kind::kSpeed; };
+  EXPECT_TRUE(
+      std::ranges::any_of(calib::common_errors(solution.trajectories, solution.state, 1.0), is_of_speed));
+  EXPECT_TRUE(std::ranges::none_of(calib::common_errors(radio, solution.state, 1.0), is_of_speed));
+}
+
+}  // namespace
+}  // namespace octant::test
