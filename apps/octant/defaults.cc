@@ -29,18 +29,16 @@ std::string defaults_path() {
 
 }  // namespace
 
-Result<void> apply_defaults(Session& session) {
+void apply_defaults(Session& session) {
   const std::string path = defaults_path();
-  if (path.empty()) return {};
-  const auto defaults = io::read_defaults(path);
-  if (!defaults) return fail(defaults.error());
+  if (path.empty()) return;
+  const io::Defaults defaults = need(io::read_defaults(path));
   CommonOptions& options = session.options;
-  options.threads = defaults->threads.value_or(options.threads);
-  options.progress = defaults->progress.value_or(options.progress);
-  options.quiet = defaults->quiet.value_or(options.quiet);
-  if (defaults->verbose.value_or(false)) options.verbose = 1;
-  session.warn(defaults->warnings);
-  return {};
+  options.threads = defaults.threads.value_or(options.threads);
+  options.progress = defaults.progress.value_or(options.progress);
+  options.quiet = defaults.quiet.value_or(options.quiet);
+  if (defaults.verbose.value_or(false)) options.verbose = 1;
+  session.warn(defaults.warnings);
 }
 
 }  // namespace octant::app

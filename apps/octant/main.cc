@@ -83,7 +83,7 @@ int end_of_parsing(const CLI::App& app, const CLI::ParseError& error, Session& s
     message = fmt::format(
         "{} has no option '{}'{}", name, strange.front(),
         did_you_mean(strange.front().substr(0, strange.front().find('=')), option_names(command)));
-  return session.fail_usage(message, fmt::format("{} --help explains", name));
+  fail_usage(message, fmt::format("{} --help explains", name));
 }
 
 int run(int argc, const char* const* argv, Session& session) {
@@ -92,9 +92,9 @@ int run(int argc, const char* const* argv, Session& session) {
   if (!session.job->is_first() && first_word != "calibrate" && first_word != "batch") return kDone;
   session.command_line = quote_command(argc, argv);
   session.options.json = wants_json(argc, argv);
-  install_interrupt_handlers(session.options.json ? dump(interrupted_object()) + "\n" : "");
+  install_interrupt_handlers(session.options.json ? dump(interruption().object()) + "\n" : "");
   install_lost_input_handler(session.options.json ? dump(lost_input_object()) + "\n" : "");
-  if (auto set = apply_defaults(session); !set) return session.fail(set.error());
+  apply_defaults(session);
 
   CLI::App app(
       "Octant calibrates time-of-flight beacon positioning: beacons, delays and the speed of sound from a "
@@ -152,6 +152,8 @@ namespace {
 int run_guarded(int argc, char** argv, octant::app::Session& session) {
   try {
     return octant::app::run(argc, argv, session);
+  } catch (const octant::app::CommandFailed& ended) {
+    return session.fail(ended.failure);
   } catch (const std::bad_alloc&) {
     return session.fail({"error", "internal", octant::app::kFault, "out of memory",
                          "use a machine with more, or fewer arrivals"});

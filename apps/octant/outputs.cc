@@ -56,14 +56,6 @@ std::vector<fs::path> files_of(const std::string& input) {
   return files;
 }
 
-tl::unexpected<Error> refused(const std::string& output, const std::string& what) {
-  return fail({.code = Errc::kUsage,
-               .file = output,
-               .found = what,
-               .expected = "a file of its own for each output",
-               .advice = "nothing was read or written"});
-}
-
 }  // namespace
 
 std::vector<std::string> with_files(std::vector<std::string> files, const std::vector<std::string>& more) {
@@ -71,7 +63,7 @@ std::vector<std::string> with_files(std::vector<std::string> files, const std::v
   return files;
 }
 
-Result<void> check_no_overwriting(const CommandFiles& files) {
+void check_no_overwriting(const CommandFiles& files) {
   std::map<std::string, std::string> taken;  // identity to what is said of it
   for (const std::string& input : files.inputs) {
     if (is_no_file(input)) continue;
@@ -79,24 +71,26 @@ Result<void> check_no_overwriting(const CommandFiles& files) {
       for (const std::string& identity : identities(file))
         taken.emplace(identity, fmt::format("would be written over the input '{}'", file.string()));
   }
-  const auto take = [&taken](const std::string& named, const fs::path& file) -> Result<void> {
+  const auto take = [&taken](const std::string& named, const fs::path& file) {
     const std::vector<std::string> names = identities(file);
     for (const std::string& identity : names)
-      if (const auto found = taken.find(identity); found != taken.end()) return refused(named, found->second);
+      if (const auto found = taken.find(identity); found != taken.end())
+        fail_with({.code = Errc::kUsage,
+                   .file = named,
+                   .found = found->second,
+                   .expected = "a file of its own for each output",
+                   .advice = "nothing was read or written"});
     for (const std::string& identity : names)
       taken.emplace(identity, fmt::format("is the output '{}' too", file.string()));
-    return {};
   };
   for (const std::string& name : files.outputs)
-    if (auto free = is_no_file(name) ? Result<void>() : take(name, name); !free) return free;
+    if (!is_no_file(name)) take(name, name);
   for (const std::string& folder : files.run_outputs)
-    for (const std::string_view name : io::kRunFiles)
-      if (auto free = take(folder, fs::path(folder) / name); !free) return free;
-  return {};
+    for (const std::string_view name : io::kRunFiles) take(folder, fs::path(folder) / name);
 }
 
-std::optional<int> refuse_outputs(const std::vector<std::string>& inputs,
-                                  const std::vector<OutputOption>& outputs, Session& session) {
+void check_outputs(const std::vector<std::string>& inputs, const std::vector<OutputOption>& outputs,
+                   Session& session) {
   std::vector<std::string> options, paths;
   int files_on_stdout = 0;
   for (const auto& [option, path] : outputs) {
@@ -105,14 +99,10 @@ std::optional<int> refuse_outputs(const std::vector<std::string>& inputs,
     files_on_stdout += path == "-";
   }
   if (files_on_stdout + session.options.json > 1)
-    return session.fail_usage(
-        fmt::format("only one of {} and --json can have standard output", fmt::join(options, ", ")));
+    fail_usage(fmt::format("only one of {} and --json can have standard output", fmt::join(options, ", ")));
   if (files_on_stdout > 0) session.result_to_stderr();
-  if (auto fit = check_no_overwriting({.inputs = inputs, .outputs = paths}); !fit)
-    return session.fail(fit.error());
-  for (const std::string& path : paths)
-    if (auto fit = check_output(path); !fit) return session.fail(fit.error());
-  return std::nullopt;
+  check_no_overwriting({.inputs = inputs, .outputs = paths});
+  for (const std::string& path : paths) check_output(path);
 }
 
 }  // namespace octant::app

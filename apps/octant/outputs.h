@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "apps/octant/session.h"
-#include "models/support/result.h"
 
 namespace octant::app {
 
@@ -22,9 +21,9 @@ struct CommandFiles {
 
 /// Before anything is read: no output may be one of the inputs or another output. Files are told apart by
 /// what they are on the disk, through links and under whatever name; an output into an input's run folder
-/// under a name that a run gives meaning to is one of its files whether it lies there or not. Errors: kUsage,
-/// both names.
-[[nodiscard]] Result<void> check_no_overwriting(const CommandFiles& files);
+/// under a name that a run gives meaning to is one of its files whether it lies there or not. Failures:
+/// kUsage, both names.
+void check_no_overwriting(const CommandFiles& files);
 
 /// What an option ("-o") was given; empty: it was not.
 struct OutputOption {
@@ -33,8 +32,7 @@ struct OutputOption {
 
 /// Before anything is read: at most one of the outputs and --json has standard output (where a file has it,
 /// words go to standard error), none is written over an input or another output, and each can be written.
-/// @return exit code of the refusal
-[[nodiscard]] std::optional<int> refuse_outputs(const std::vector<std::string>& inputs,
-                                                const std::vector<OutputOption>& outputs, Session& session);
+void check_outputs(const std::vector<std::string>& inputs, const std::vector<OutputOption>& outputs,
+                   Session& session);
 
 }  // namespace octant::app

@@ -45,37 +45,43 @@ Json error_object(const std::string& code, int exit, const std::string& message,
           {"advice", text(error.advice)}};
 }
 
-struct Mapping {
-  const char* code;
-  Exit exit;
-};
-Mapping mapping(Errc code) {
-  switch (code) {
-    case Errc::kUsage: return {"usage", kUsage};
-    case Errc::kBadInput: return {"bad_input", kBadInput};
-    case Errc::kOutput: return {"output", kBadInput};
-    case Errc::kInterrupted: return {"interrupted", kInterrupted};
-    default: return {"internal", kFault};
+}  // namespace
+
+Json Failure::object() const {
+  Error error = where;
+  if (error.found.empty()) error.advice = advice;
+  return {{"status", status}, {"error", error_object(code, exit, message, error)}};
+}
+
+std::string Failure::words() const {
+  return where.found.empty() && !advice.empty() ? message + "; " + advice : message;
+}
+
+Failure failure_of(const Error& error) {
+  const auto failure = [&error](const char* code, Exit exit) {
+    return Failure{"error", code, exit, error.message(), "", error};
+  };
+  switch (error.code) {
+    case Errc::kUsage: return failure("usage", kUsage);
+    case Errc::kBadInput: return failure("bad_input", kBadInput);
+    case Errc::kOutput: return failure("output", kBadInput);
+    case Errc::kInterrupted: return interruption();
+    default: return failure("internal", kFault);
   }
 }
 
-}  // namespace
-
-Ending ending(const Failure& failure) {
-  Error error;
-  error.advice = failure.advice;
-  return {failure.exit,
-          {{"status", failure.status},
-           {"error", error_object(failure.code, failure.exit, failure.message, error)}},
-          failure.message + (failure.advice.empty() ? "" : "; " + failure.advice)};
+Failure interruption() {
+  return {"interrupted", "interrupted", kInterrupted, "interrupted, nothing was written", ""};
 }
 
-Ending ending(const Error& error) {
-  const Mapping map = mapping(error.code);
-  if (map.exit == kInterrupted) return {map.exit, interrupted_object(), "interrupted"};
-  return {map.exit,
-          {{"status", "error"}, {"error", error_object(map.code, map.exit, error.message(), error)}},
-          error.message()};
+void fail_with(const Error& error) { throw CommandFailed(failure_of(error)); }
+
+void fail_usage(const std::string& message, const std::string& advice) {
+  throw CommandFailed({"error", "usage", kUsage, message, advice});
+}
+
+void stop_if_interrupted(bool stopped) {
+  if (stopped || interrupted()) throw CommandFailed(interruption());
 }
 
 std::string dump(const Json& object) { return object.dump(-1, ' ', false, Json::error_handler_t::replace); }
@@ -141,31 +147,14 @@ int Session::finish(const Json& result) {
 }
 
 int Session::fail(const Failure& failure, Json result) {
-  const Ending end = ending(failure);
-  complain(end.message);
-  Json whole = end.object;
+  complain(failure.words());
+  Json whole = failure.object();
+  // Who is interrupted gets what a signal handler says, which knows of no warnings.
+  if (failure.exit == kInterrupted && result.empty()) return print(whole, kInterrupted);
   result.erase("status");
   whole.update(result);
   if (!whole.contains("warnings")) whole["warnings"] = warnings_;
   return print(whole, failure.exit);
-}
-
-int Session::fail(const Error& error, const Json& result) {
-  Ending end = ending(error);
-  if (end.exit == kInterrupted) return interrupted();
-  complain(end.message);
-  end.object.update(result);
-  end.object["warnings"] = warnings_;
-  return print(end.object, end.exit);
-}
-
-int Session::fail_usage(const std::string& message, const std::string& advice) {
-  return fail({"error", "usage", kUsage, message, advice});
-}
-
-int Session::interrupted() {
-  complain("interrupted, nothing was written");
-  return print(interrupted_object(), kInterrupted);
 }
 
 Session Session::part(int threads) const {
@@ -187,11 +176,6 @@ int Session::threads() const {
 
 double Session::seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count();
-}
-
-Json interrupted_object() {
-  return {{"status", "interrupted"},
-          {"error", error_object("interrupted", kInterrupted, "interrupted, nothing was written", {})}};
 }
 
 Json lost_input_object() {

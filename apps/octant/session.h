@@ -49,16 +49,37 @@ struct Failure {
   Exit exit = kFault;
   std::string message;
   std::string advice;
+  Error where{};  ///< the error of the outside world that it comes from, if it is one
+  /// The object's keys `status` and `error`.
+  [[nodiscard]] Json object() const;
+  /// What people read.
+  [[nodiscard]] std::string words() const;
+};
+[[nodiscard]] Failure failure_of(const Error& error);
+/// The failure that stands for an interruption; also the last words of a program that a signal ends at once.
+[[nodiscard]] Failure interruption();
+
+/// Ends a command: thrown by the step that fails, caught where commands are called and nowhere between.
+struct CommandFailed : std::exception {
+  explicit CommandFailed(Failure of) : failure(std::move(of)) {}
+  [[nodiscard]] const char* what() const noexcept override { return failure.message.c_str(); }
+  Failure failure;
 };
 
-/// A failure as the end of a command: the object's keys `status` and `error`, and what people read.
-struct Ending {
-  Exit exit = kFault;
-  Json object;
-  std::string message;
-};
-[[nodiscard]] Ending ending(const Failure& failure);
-[[nodiscard]] Ending ending(const Error& error);
+/// Ends a command by an error of the outside world.
+[[noreturn]] void fail_with(const Error& error);
+/// The value of a result without which a command cannot go on: an error ends it.
+/// @param file  that an error is about which names none
+template <class T>
+T need(Result<T> result, const std::string& file = "") {
+  if (!result && result.error().file.empty()) result.error().file = file;
+  if (!result) fail_with(result.error());
+  if constexpr (!std::is_void_v<T>) return std::move(*result);
+}
+/// Ends the command of what was typed wrongly (exit 2).
+[[noreturn]] void fail_usage(const std::string& message, const std::string& advice = "");
+/// Ends the command of a user who asked to stop, by a signal or through the progress of a computation.
+void stop_if_interrupted(bool stopped = false);
 
 /// One invocation of the program: its options, and the only way to standard output and standard error.
 /// With --json exactly one object goes to standard output, at the end; otherwise text for people goes there.
@@ -92,10 +113,6 @@ class Session {
   [[nodiscard]] int finish(const Json& result);
   /// Ends with a failure; keys of `result` are kept beside `status` and `error`.
   [[nodiscard]] int fail(const Failure& failure, Json result = Json::object());
-  [[nodiscard]] int fail(const Error& error, const Json& result = Json::object());
-  /// Ends with exit 2: what was typed makes no sense.
-  [[nodiscard]] int fail_usage(const std::string& message, const std::string& advice = "");
-  [[nodiscard]] int interrupted();
 
   /// Threads to use.
   [[nodiscard]] int threads() const;
@@ -114,9 +131,7 @@ class Session {
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
 };
 
-/// The object that stands for an interruption; also the last words of a program that a signal ends at once.
-[[nodiscard]] Json interrupted_object();
-/// The same of one whose input was cut off while it was read.
+/// The last words of a program whose input was cut off while it was read.
 [[nodiscard]] Json lost_input_object();
 /// One line, with bytes that are not UTF-8 replaced and numbers that are not finite as null.
 [[nodiscard]] std::string dump(const Json& object);

@@ -22,6 +22,10 @@ struct SurveyInput {
   std::optional<Deployment> deployment;
   Scene scene;  ///< of --scene, else of the site file's block, else all defaults
   survey::SurveyModel model;
+  [[nodiscard]] NameTable names() const { return site ? names_of(*site) : names_of(*deployment); }
+  [[nodiscard]] const std::vector<SiteVehicle>& vehicles() const {
+    return site ? site->vehicles : deployment->vehicles;
+  }
 };
 
 /// Where the model's beacons stand.
@@ -36,15 +40,13 @@ enum class BeaconPlaces {
 /// @param scene_path  file with a scene alone; empty: the site's own
 /// @param vehicle  name; empty: the first one
 /// @param cell_m  goes before the scene's
-[[nodiscard]] Result<SurveyInput> read_survey_input(const std::string& path, const std::string& scene_path,
-                                                    const std::string& vehicle, std::optional<double> cell_m,
-                                                    Session& session,
-                                                    BeaconPlaces places = BeaconPlaces::kStated);
+[[nodiscard]] SurveyInput read_survey_input(const std::string& path, const std::string& scene_path,
+                                            const std::string& vehicle, std::optional<double> cell_m,
+                                            Session& session, BeaconPlaces places = BeaconPlaces::kStated);
 
 /// The model of a site whose beacons recordings have found. Warnings go to the session.
 /// @param path  of the site file  @param placed  which beacons, each at its entry of p_map_m
-[[nodiscard]] Result<void> place_recorded(const std::string& path, const std::vector<bool>& placed,
-                                          const std::vector<Eigen::Vector3d>& p_map_m, SurveyInput& input,
-                                          Session& session);
+void place_recorded(const std::string& path, const std::vector<bool>& placed,
+                    const std::vector<Eigen::Vector3d>& p_map_m, SurveyInput& input, Session& session);
 
 }  // namespace octant::app

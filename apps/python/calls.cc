@@ -53,8 +53,12 @@ struct Call {
     {
       const app::PoliteInterrupts until_done;
       const py::gil_scoped_release others_may_run;
-      exit = work(session);
-      if (exit != app::kDone && app::interrupted()) exit = session.interrupted();
+      try {
+        exit = work(session);
+      } catch (const app::CommandFailed& ended) {
+        exit = session.fail(ended.failure);
+      }
+      if (exit != app::kDone && app::interrupted()) exit = session.fail(app::interruption());
     }
     // Ctrl-C while Python did not look: KeyboardInterrupt, on the main thread.
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
@@ -81,10 +85,9 @@ py::tuple calibrate(const std::string& site, const std::vector<std::string>& run
   std::optional<Deployment> deployment;
   const py::object object = call.run([&](app::Session& session) {
     auto calibration = app::calibrate_files(site, runs, {.strict = strict, .accept = accept}, session);
-    if (!calibration) return session.fail(calibration.error());
-    Json result = app::calibration_json(*calibration, session);
-    if (calibration->exported()) deployment = std::move(calibration->deployment);
-    if (const auto failure = app::failure_of(*calibration); failure && !deployment)
+    Json result = app::calibration_json(calibration, session);
+    if (calibration.exported()) deployment = std::move(calibration.deployment);
+    if (const auto failure = app::failure_of(calibration); failure && !deployment)
       return session.fail(*failure, result);
     return session.finish(result);
   });
@@ -94,55 +97,48 @@ py::tuple calibrate(const std::string& site, const std::vector<std::string>& run
 py::object verify(const std::string& path, const std::vector<std::string>& runs, const std::string& method,
                   int threads) {
   return Call(words_of("verify", path, runs), threads).run([&](app::Session& session) {
-    const auto deployment = io::read_deployment(path);
-    if (!deployment) return session.fail(deployment.error());
+    const Deployment deployment = app::need(io::read_deployment(path));
     Method how = Method::kAuto;
     for (const auto& [name, value] : method_names())
       if (name == method) how = value;
-    const auto read = app::read_runs(runs, *deployment,
+    const auto read = app::read_runs(runs, deployment,
                                      {.read_truth = true, .read_poses = how == Method::kLineMap}, session);
-    if (!read) return session.fail(read.error());
-    const auto located = app::localize_runs(*deployment, *read, how);
-    if (!located) return session.fail(located.error());
-    const auto evaluation = app::verify_fixes(*deployment, *read, *located);
-    if (!evaluation) return session.fail(evaluation.error());
-    if (const std::string doubt = app::doubt_of_sigmas(*evaluation, deployment->motion); !doubt.empty())
+    const auto located = app::need(app::localize_runs(deployment, read, how));
+    const auto evaluation = app::verify_fixes(deployment, read, located);
+    if (const std::string doubt = app::doubt_of_sigmas(evaluation, deployment.motion); !doubt.empty())
       session.warn(doubt);
-    return session.finish(app::evaluation_json(*evaluation));
+    return session.finish(app::evaluation_json(evaluation));
   });
 }
 
 py::object survey(const std::string& input, const std::string& scene, std::size_t bins, int failures,
                   int threads) {
   return Call(words_of("survey", input, {}), threads).run([&](app::Session& session) {
-    auto read = app::read_survey_input(input, scene, "", std::nullopt, session);
-    if (!read) return session.fail(read.error());
-    const auto found =
-        survey::run_survey(read->model, read->scene, read->deployment ? &*read->deployment : nullptr,
-                           {.threads = session.threads(), .failures = failures});
-    if (!found) return session.fail(found.error());
-    const auto schedule = survey::schedule_of_survey(found->model, found->scene, session.threads());
-    return session.finish(app::survey_json(*found, schedule, bins));
+    const auto read = app::read_survey_input(input, scene, "", std::nullopt, session);
+    const survey::Survey found =
+        app::need(survey::run_survey(read.model, read.scene, read.deployment ? &*read.deployment : nullptr,
+                                     {.threads = session.threads(), .failures = failures}));
+    const auto schedule = survey::schedule_of_survey(found.model, found.scene, session.threads());
+    return session.finish(app::survey_json(found, schedule, bins));
   });
 }
 
 py::object monitor(const std::string& deployment, const std::vector<std::string>& runs, int threads) {
   return Call(words_of("monitor", deployment, runs), threads).run([&](app::Session& session) {
-    const auto visit = app::revisit_files(deployment, runs, {}, session);
-    if (!visit) return session.fail(visit.error());
-    Json object = visit->head;
-    object.update(app::revisit_json(*visit, session));
-    if (const auto failure = app::failure_of(visit->revisit)) return session.fail(*failure, object);
+    const app::SecondVisitFiles visit = app::revisit_files(deployment, runs, {}, session);
+    Json object = visit.head;
+    object.update(app::revisit_json(visit, session));
+    if (const auto failure = app::failure_of(visit.revisit)) return session.fail(*failure, object);
     object["action"] = false;
-    for (const Change& c : visit->revisit.comparison.changes)
-      if (app::needs_action(c, visit->revisit.medium)) object["action"] = true;
+    for (const Change& c : visit.revisit.comparison.changes)
+      if (app::needs_action(c, visit.revisit.medium)) object["action"] = true;
     return session.finish(object);
   });
 }
 
 }  // namespace
 
-void raise(const Error& error) { raise_object(app::ending(error).object); }
+void raise(const Error& error) { raise_object(app::failure_of(error).object()); }
 
 void bind_calls(py::module_& m) {
   m.def("check", &check, "site"_a, "runs"_a, "strict"_a = false, "threads"_a = 0);

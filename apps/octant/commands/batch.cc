@@ -129,8 +129,7 @@ int run(const BatchArgs& args, Session& session) {
   if (!args.shard.empty()) {
     const auto given = shard_of(args.shard);
     if (!given)
-      return session.fail_usage(fmt::format("--shard is '{}'", args.shard),
-                                "i/N with i from 1 to N, such as 1/10");
+      fail_usage(fmt::format("--shard is '{}'", args.shard), "i/N with i from 1 to N, such as 1/10");
     shard = *given;
   }
   const calib::Ranks* ranks = session.job != nullptr ? session.job->ranks() : nullptr;
@@ -139,24 +138,23 @@ int run(const BatchArgs& args, Session& session) {
     shard.index += shard.count * static_cast<std::size_t>(ranks->index());
     shard.count *= static_cast<std::size_t>(ranks->count());
   }
-  const auto batch = io::read_batch(args.list, args.folder);
-  if (!batch) return session.fail(batch.error());
-  if (auto fit = check_no_overwriting(files_of(args, *batch)); !fit) return session.fail(fit.error());
-  session.warn(batch->warnings);
+  const io::Batch batch = need(io::read_batch(args.list, args.folder));
+  check_no_overwriting(files_of(args, batch));
+  session.warn(batch.warnings);
   if (!args.folder.empty()) {
     std::error_code error;
     std::filesystem::create_directories(args.folder,
                                         error);  // another job of the array may have been faster
     if (error)
-      return session.fail(Error{.code = Errc::kOutput,
-                                .file = args.folder,
-                                .found = "the folder cannot be made: " + error.message()});
+      fail_with({.code = Errc::kOutput,
+                 .file = args.folder,
+                 .found = "the folder cannot be made: " + error.message()});
   }
 
   std::size_t done = 0;
   const bool silent = session.options.progress == "none";
-  auto outcomes = calibrate_sites(*batch, shard, args.how, session, [&](const SiteOutcome& outcome) {
-    const std::string& name = batch->sites[outcome.number].name;
+  auto outcomes = calibrate_sites(batch, shard, args.how, session, [&](const SiteOutcome& outcome) {
+    const std::string& name = batch.sites[outcome.number].name;
     const std::string what = outcome.message.empty() ? "calibrated" : outcome.message;
     ++done;
     if (!silent) session.note(fmt::format("{}: {}: {}", done, name, what));
@@ -167,7 +165,7 @@ int run(const BatchArgs& args, Session& session) {
     shard.index %= shard.count / static_cast<std::size_t>(ranks->count());
     shard.count /= static_cast<std::size_t>(ranks->count());
   }
-  return report_all(*batch, shard, outcomes, session);
+  return report_all(batch, shard, outcomes, session);
 }
 
 }  // namespace

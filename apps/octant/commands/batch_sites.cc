@@ -15,30 +15,26 @@
 namespace octant::app {
 namespace {
 
-void end_with(const Ending& end, SiteOutcome& outcome) {
-  outcome.exit = end.exit;
-  outcome.message = end.message;
-  outcome.object.update(end.object);
+void end_with(const Failure& failure, SiteOutcome& outcome) {
+  outcome.exit = failure.exit;
+  outcome.message = failure.exit == kInterrupted ? "interrupted" : failure.words();
+  outcome.object.update(failure.object());
 }
 
 void calibrate_site(const io::BatchSite& site, const CalibrateOptions& how, Session& session,
                     SiteOutcome& outcome) {
   ReportArgs report;
   if (!site.report.empty()) report.paths.push_back(site.report);
-  if (const auto fit = check_output(site.output); !fit) return end_with(ending(fit.error()), outcome);
-  if (const auto fit = check_report(report); !fit) return end_with(ending(fit.error()), outcome);
-  const auto calibration = calibrate_files(site.site, site.runs, how, session);
-  if (!calibration) return end_with(ending(calibration.error()), outcome);
-  if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted())
-    return end_with({kInterrupted, interrupted_object(), "interrupted"}, outcome);
-  outcome.object.update(calibration_json(*calibration, session));
+  stop_if_interrupted();
+  check_output(site.output);
+  check_report(report);
+  const Calibration calibration = calibrate_files(site.site, site.runs, how, session);
+  outcome.object.update(calibration_json(calibration, session));
   for (const char* of_arrivals : {"left_out", "reliability"}) outcome.object.erase(of_arrivals);
-  const auto input = calibration_report(*calibration, report, session);
-  if (!input) return end_with(ending(input.error()), outcome);
-  if (const auto written = write_calibration(site.output, report, *calibration, *input); !written)
-    return end_with(ending(written.error()), outcome);
-  outcome.object["verdict"] = verdict_json(*input);
-  if (const auto failure = failure_of(*calibration)) return end_with(ending(*failure), outcome);
+  const survey::ReportInput input = calibration_report(calibration, report, session);
+  write_calibration(site.output, report, calibration, input);
+  outcome.object["verdict"] = verdict_json(input);
+  if (const auto failure = failure_of(calibration)) return end_with(*failure, outcome);
   outcome.object["status"] = "ok";
 }
 
@@ -54,15 +50,12 @@ SiteOutcome outcome_of(const io::BatchSite& site, std::size_t number, const Cali
                     {"status", "ok"},
                     {"exit", 0}};
   try {
-    if (interrupted()) {
-      end_with({kInterrupted, interrupted_object(), "interrupted"}, outcome);
-    } else {
-      calibrate_site(site, how, session, outcome);
-    }
+    calibrate_site(site, how, session, outcome);
+  } catch (const CommandFailed& ended) {
+    end_with(ended.failure, outcome);
   } catch (const std::exception& error) {
     const std::string message = fmt::format("a fault of octant: {}", error.what());
-    end_with(ending(Failure{"error", "internal", kFault, message, "please report it with the site"}),
-             outcome);
+    end_with({"error", "internal", kFault, message, "please report it with the site"}, outcome);
   }
   outcome.object["exit"] = static_cast<int>(outcome.exit);
   outcome.object["seconds"] = session.seconds();

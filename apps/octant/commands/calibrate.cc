@@ -150,35 +150,29 @@ std::string comparison_text(const Calibration& calibration, const survey::Report
 }
 
 int run(const CalibrateArgs& args, Session& session) {
-  if (const auto refused = refuse_outputs(with_files(args.runs, {args.site, args.report.since}),
-                                          report_outputs(args.report, {{"-o", args.output}}), session))
-    return *refused;
-  if (auto fit = check_report(args.report); !fit) return session.fail(fit.error());
+  check_outputs(with_files(args.runs, {args.site, args.report.since}),
+                report_outputs(args.report, {{"-o", args.output}}), session);
+  check_report(args.report);
 
-  auto calibration = calibrate_files(args.site, args.runs, args.options, session);
-  if (!calibration) return session.fail(calibration.error());
-  if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted())
-    return session.interrupted();
-  Json object = calibration_json(*calibration, session);
-  const auto failure = failure_of(*calibration);
+  const Calibration calibration = calibrate_files(args.site, args.runs, args.options, session);
+  Json object = calibration_json(calibration, session);
+  const auto failure = failure_of(calibration);
   if (session.job != nullptr && !session.job->is_first())  // the first rank writes
     return failure ? session.fail(*failure, object) : kDone;
 
-  auto input = calibration_report(*calibration, args.report, session);
-  if (!input) return session.fail(input.error());
-  object["verdict"] = verdict_json(*input);
-  add_changes_json(*input, object);
-  if (auto written = write_calibration(args.output, args.report, *calibration, *input); !written)
-    return session.fail(written.error());
-  if (!calibration->deployment) {
+  const survey::ReportInput input = calibration_report(calibration, args.report, session);
+  object["verdict"] = verdict_json(input);
+  add_changes_json(input, object);
+  write_calibration(args.output, args.report, calibration, input);
+  if (!calibration.deployment) {
     session.result(report_lines(args.report));
     return session.fail(*failure, object);
   }
-  session.result(calibration_summary(*calibration, *input) + comparison_text(*calibration, *input));
-  if (calibration->exported() && args.output != "-")
+  session.result(calibration_summary(calibration, input) + comparison_text(calibration, input));
+  if (calibration.exported() && args.output != "-")
     session.result(fmt::format("{:<17}{}\n", "deployment", args.output));
   session.result(report_lines(args.report));
-  if (session.options.verbose > 0) session.result("\n" + calibration_text(*calibration));
+  if (session.options.verbose > 0) session.result("\n" + calibration_text(calibration));
   return failure ? session.fail(*failure, object) : session.finish(object);
 }
 

@@ -295,24 +295,22 @@ void warn_of(const std::vector<calib::Finding>& findings, Session& session) {
 }  // namespace
 
 int check_recordings(const CheckArgs& args, Session& session) {
-  auto site = io::read_site(args.site);
-  if (!site) return session.fail(site.error());
-  session.warn(site->warnings);
-  auto runs = read_runs(args.runs, *site, {}, session);
-  if (!runs) return session.fail(runs.error());
-  Logs logs = examine(*site, *runs);
+  Site site = need(io::read_site(args.site));
+  session.warn(site.warnings);
+  std::vector<MeasurementLog> runs = read_runs(args.runs, site, {}, session);
+  Logs logs = examine(site, runs);
   warn_of(logs.findings, session);
-  const std::string name = site->name;
-  auto problem = calib::make_problem(std::move(*site), std::move(*runs), session.threads());
+  const std::string name = site.name;
+  auto problem = calib::make_problem(std::move(site), std::move(runs), session.threads());
   if (!problem) {
     for (std::size_t i = 0; i < logs.runs.size(); ++i)
       session.result(health_text(logs.runs[i], logs.has_truth[i]));
     // Logs that cannot be made a problem of (their unit, no vehicle states) are still worth a look.
-    return session.fail(problem.error(),
+    return session.fail(failure_of(problem.error()),
                         {{"health", health_json(logs)}, {"verdict", nullptr}, {"beacons", Json::array()}});
   }
   const calib::Forecast f = forecast(*problem, args, session);
-  if (f.solution.status == calib::SolveStatus::kInterrupted || interrupted()) return session.interrupted();
+  stop_if_interrupted(f.solution.status == calib::SolveStatus::kInterrupted);
   const auto suspected = findings_of(f, logs);
   warn_of(suspected, session);
   logs.findings.insert(logs.findings.end(), suspected.begin(), suspected.end());

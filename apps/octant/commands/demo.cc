@@ -33,27 +33,16 @@ struct Places {
               plan = in("plan.svg"), report = in("report.html");
 };
 
-Result<Deployment> simulate_hall(const Places& at, Session& session) {
-  auto world = [&]() -> Result<World> {
-    const ExitAtOnce nothing_written_yet;
-    const auto scenario = io::scenario_from_yaml(io::bundled_scenario(), "the bundled scenario");
-    if (!scenario) return fail(scenario.error());
-    return simulate(*scenario, session.options.seed);
-  }();
-  if (!world) return fail(world.error());
-  world->truth.created = created_now();
-  world->truth.program_version = OCTANT_VERSION;
-  world->truth.program_command = session.command_line;
-  if (auto written = write_world(at.folder, *world, io::bundled_scenario(),
-                                 {"deployment.json", "fixes.tum", "fixes.csv", "plan.svg", "report.html"});
-      !written) {
-    return fail(written.error());
-  }
+Deployment simulate_hall(const Places& at, Session& session) {
+  const World world =
+      simulated(need(io::scenario_from_yaml(io::bundled_scenario(), "the bundled scenario")), session);
+  write_world(at.folder, world, io::bundled_scenario(),
+              {"deployment.json", "fixes.tum", "fixes.csv", "plan.svg", "report.html"});
   session.result(fmt::format(
       "$ octant simulate {} --seed {} -o {}\n{} beacons, {} arrivals to calibrate with, {} held out\n\n",
-      at.in("scenario.yaml"), session.options.seed, at.folder, world->site.beacons.size(),
-      world->run.arrivals.size(), world->heldout.arrivals.size()));
-  return world->truth;
+      at.in("scenario.yaml"), session.options.seed, at.folder, world.site.beacons.size(),
+      world.run.arrivals.size(), world.heldout.arrivals.size()));
+  return world.truth;
 }
 
 struct Checked {
@@ -61,28 +50,19 @@ struct Checked {
   Localization found;
 };
 
-Result<Checked> localize_and_verify(const Places& at, Session& session) {
+Checked localize_and_verify(const Places& at, Session& session) {
   // From the file, as a robot would.
-  const auto deployment = io::read_deployment(at.deployment);
-  if (!deployment) return fail(deployment.error());
-  const auto runs = read_runs({at.heldout}, *deployment, {.read_truth = true, .read_poses = false}, session);
-  if (!runs) return fail(runs.error());
-  const auto located = localize_runs(*deployment, *runs, Method::kAuto);
-  if (!located) return fail(located.error());
-  Checked checked{{}, *located};
+  const Deployment deployment = need(io::read_deployment(at.deployment));
+  const auto runs = read_runs({at.heldout}, deployment, {.read_truth = true, .read_poses = false}, session);
+  Checked checked{{}, need(localize_runs(deployment, runs, Method::kAuto))};
   const Localization& found = checked.found;
-  const std::vector<Fix>& fixes = found.fixes;
-  if (auto written = io::write_file(at.fixes, io::fixes_to_tum(fixes)); !written)
-    return fail(written.error());
-  if (auto written = io::write_file(at.csv, io::fixes_to_csv(fixes, names_of(*deployment))); !written)
-    return fail(written.error());
+  need(io::write_file(at.fixes, io::fixes_to_tum(found.fixes)));
+  need(io::write_file(at.csv, io::fixes_to_csv(found.fixes, names_of(deployment))));
   session.result(fmt::format("$ octant localize {} {} -o {} --csv {}\n{} fixes, {} times no fix\n\n",
                              at.deployment, at.heldout, at.fixes, at.csv, found.ok, found.no_fix));
-  const auto evaluation = verify_fixes(*deployment, *runs, found);
-  if (!evaluation) return fail(evaluation.error());
-  checked.evaluation = *evaluation;
+  checked.evaluation = verify_fixes(deployment, runs, found);
   session.result(fmt::format("$ octant verify {} {}\n{}\n", at.deployment, at.heldout,
-                             evaluation_text(*evaluation, found)));
+                             evaluation_text(checked.evaluation, found)));
   return checked;
 }
 
@@ -117,34 +97,25 @@ int close(const Places& at, const std::vector<survey::Gate>& gates, Session& ses
 
 int run(const std::string& folder, Session& session) {
   const Places at(folder);
-  const auto truth = simulate_hall(at, session);
-  if (!truth) return session.fail(truth.error());
-
-  const auto calibration = calibrate_files(at.site, {at.run}, {}, session);
-  if (!calibration) return session.fail(calibration.error());
-  if (calibration->solution.status == calib::SolveStatus::kInterrupted || interrupted())
-    return session.interrupted();
-  if (const auto failure = failure_of(*calibration)) return session.fail(*failure);
-  if (auto written = io::write_deployment(at.deployment, *calibration->deployment); !written)
-    return session.fail(written.error());
+  const Deployment truth = simulate_hall(at, session);
+  const Calibration calibration = calibrate_files(at.site, {at.run}, {}, session);
+  if (const auto failure = failure_of(calibration)) return session.fail(*failure);
+  need(io::write_deployment(at.deployment, *calibration.deployment));
   session.result(fmt::format("$ octant calibrate {} {} -o {} --report {}\n{}\n", at.site, at.run,
                              at.deployment, at.report,
-                             calibration_summary(*calibration, report_input(*calibration, session))));
+                             calibration_summary(calibration, report_input(calibration, session))));
 
-  const auto checked = localize_and_verify(at, session);
-  if (!checked) return session.fail(checked.error());
-  if (interrupted()) return session.interrupted();
-  survey::ReportInput report = report_input(*calibration, session);
-  add_stops(*calibration, report);
-  add_verification(report, checked->found, checked->evaluation);
+  const Checked checked = localize_and_verify(at, session);
+  stop_if_interrupted();
+  survey::ReportInput report = report_input(calibration, session);
+  add_stops(calibration, report);
+  add_verification(report, checked.found, checked.evaluation);
   survey::add_geometry(report, session.threads());
   add_words(report);
-  if (auto written = io::write_file(at.plan, survey::site_plan_svg(report.plan)); !written)
-    return session.fail(written.error());
-  if (auto written = io::write_file(at.report, survey::report_html(report)); !written)
-    return session.fail(written.error());
+  need(io::write_file(at.plan, survey::site_plan_svg(report.plan)));
+  need(io::write_file(at.report, survey::report_html(report)));
   session.result(verdict_text(report) + "\n");
-  return close(at, gates_of(*calibration->deployment, *truth, checked->evaluation), session);
+  return close(at, gates_of(*calibration.deployment, truth, checked.evaluation), session);
 }
 
 }  // namespace

@@ -97,21 +97,18 @@ void warn_of_two_sites(const Deployment& before, const Deployment& now, Session&
 }
 
 int run(const DiffArgs& args, Session& session) {
-  const auto before = io::read_deployment(args.before);
-  if (!before) return session.fail(before.error());
-  const auto now = io::read_deployment(args.now);
-  if (!now) return session.fail(now.error());
+  const Deployment before = need(io::read_deployment(args.before)), now = need(io::read_deployment(args.now));
   const survey::Changes changes =
-      survey::changes_between(*before, *now, drift_between(before->created, now->created, args.drift));
+      survey::changes_between(before, now, drift_between(before.created, now.created, args.drift));
   if (changes.beacons.empty())
-    return session.fail(Error{.code = Errc::kBadInput,
-                              .file = args.now,
-                              .found = "no beacon in common with " + args.before,
-                              .expected = "two deployments of one site"});
-  warn_of_two_sites(*before, *now, session);
+    fail_with({.code = Errc::kBadInput,
+               .file = args.now,
+               .found = "no beacon in common with " + args.before,
+               .expected = "two deployments of one site"});
+  warn_of_two_sites(before, now, session);
   session.result(changes_text(changes));
   return session.finish({{"since", changes.since},
-                         {"derived", is_derived(*now, *before)},
+                         {"derived", is_derived(now, before)},
                          {"changes", io::json_of(changes.found)},
                          {"beacons", rows_json(changes)},
                          {"gone", changes.gone},

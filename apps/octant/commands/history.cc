@@ -30,37 +30,27 @@ std::string temperature_text(const io::Visit& v) {
 }
 
 /// A calibration's grade is what a report of its deployment says.
-Result<io::Visit> graded_visit(const std::string& path, const HistoryArgs& args, const Session& session) {
-  auto visit = io::read_visit(path);
-  if (!visit) return visit;
-  if (visit->kind == io::VisitKind::kCalibration) {
-    const auto deployment = io::deployment_from_json(visit->document, path);
-    if (!deployment) return fail(deployment.error());
-    visit->verdict = survey::to_string(survey::verdict(report_input(*deployment, session)).grade);
+io::Visit graded_visit(const std::string& path, const HistoryArgs& args, const Session& session) {
+  io::Visit visit = need(io::read_visit(path));
+  if (visit.kind == io::VisitKind::kCalibration) {
+    const Deployment deployment = need(io::deployment_from_json(visit.document, path));
+    visit.verdict = survey::to_string(survey::verdict(report_input(deployment, session)).grade);
   }
-  visit->who = args.who;
-  visit->note = args.note;
-  visit->added_s = static_cast<std::int64_t>(std::time(nullptr));
+  visit.who = args.who;
+  visit.note = args.note;
+  visit.added_s = static_cast<std::int64_t>(std::time(nullptr));
   return visit;
 }
 
 int add(const HistoryArgs& args, Session& session) {
-  if (auto fit = check_no_overwriting({.inputs = args.files, .outputs = {args.database}}); !fit)
-    return session.fail(fit.error());
+  check_no_overwriting({.inputs = args.files, .outputs = {args.database}});
   std::vector<io::Visit> visits;
-  for (const std::string& path : args.files) {
-    auto visit = graded_visit(path, args, session);
-    if (!visit) return session.fail(visit.error());
-    visits.push_back(std::move(*visit));
-  }
-  auto history = io::History::open(args.database, true);
-  if (!history) return session.fail(history.error());
-  const auto added = history->add(visits);
-  if (!added) return session.fail(added.error());
+  for (const std::string& path : args.files) visits.push_back(graded_visit(path, args, session));
+  const std::vector<io::Addition> added = need(need(io::History::open(args.database, true)).add(visits));
   Json list = Json::array();
   std::size_t fresh = 0;
   for (std::size_t i = 0; i < visits.size(); ++i) {
-    const io::Addition& a = (*added)[i];
+    const io::Addition& a = added[i];
     fresh += a.is_new;
     list.push_back({{"id", a.id},
                     {"new", a.is_new},
@@ -77,23 +67,21 @@ int add(const HistoryArgs& args, Session& session) {
   return session.finish({{"database", args.database}, {"added", fresh}, {"visits", list}});
 }
 
-Result<std::vector<io::Visit>> chosen_visits(io::History& history, const HistoryArgs& args) {
+std::vector<io::Visit> chosen_visits(io::History& history, const HistoryArgs& args) {
   io::VisitFilter filter{.site = args.site, .kind = {}};
   for (const auto kind :
        {io::VisitKind::kCalibration, io::VisitKind::kMonitoring, io::VisitKind::kVerification})
     if (args.kind == to_string(kind)) filter.kind = kind;
-  return history.list(filter);
+  return need(history.list(filter));
 }
 
 int list(const HistoryArgs& args, Session& session) {
-  auto history = io::History::open(args.database, false);
-  if (!history) return session.fail(history.error());
-  const auto visits = chosen_visits(*history, args);
-  if (!visits) return session.fail(visits.error());
+  io::History history = need(io::History::open(args.database, false));
+  const std::vector<io::Visit> visits = chosen_visits(history, args);
   Json rows = Json::array();
   Table table{"rlllllrll",
               {{"id", "date", "kind", "site", "verdict", "air [degC]", "speed [m/s]", "operator", "note"}}};
-  for (const io::Visit& v : *visits) {
+  for (const io::Visit& v : visits) {
     if (session.options.json) {
       rows.push_back(visit_json(v));
       continue;
@@ -102,7 +90,7 @@ int list(const HistoryArgs& args, Session& session) {
                           temperature_text(v), v.speed ? fmt::format("{:.3f}", v.speed->speed_mps) : "",
                           v.who, v.note});
   }
-  session.result(visits->empty() ? std::string("no visits\n") : table.text());
+  session.result(visits.empty() ? std::string("no visits\n") : table.text());
   Json object = {{"database", args.database}};
   object["visits"] = std::move(rows);  // an initialiser list would copy them
   return session.finish(object);
@@ -129,31 +117,28 @@ std::string beacons_text(const io::Visit& v) {
 }
 
 int show(const HistoryArgs& args, Session& session) {
-  auto history = io::History::open(args.database, false);
-  if (!history) return session.fail(history.error());
-  const auto visit = history->get(args.id);
-  if (!visit) return session.fail(visit.error());
+  const io::Visit visit = need(need(io::History::open(args.database, false)).get(args.id));
   std::string text;
   const auto line = [&text](const char* name, const std::string& what) {
     if (!what.empty()) text += fmt::format("{:<17}{}\n", name, what);
   };
-  line(to_string(visit->kind), fmt::format("{} of {}", visit->id, visit->site));
-  line("date", utc_text(visit->happened_s));
-  line("added", utc_text(visit->added_s));
-  line("verdict", visit->verdict);
-  line("air [degC]", temperature_text(*visit));
-  if (visit->speed)
-    line("speed", fmt::format("{:.5f} m/s, sigma {:.3f} m/s, at {:g} degC", visit->speed->speed_mps,
-                              visit->speed->sigma_mps, visit->speed->temperature_degC));
-  line("operator", visit->who);
-  line("note", visit->note);
-  line("source", visit->source);
-  line("digest", visit->digest);
-  line("deployment", visit->deployment_digest);
-  session.result(text + beacons_text(*visit));
-  Json object = visit_json(*visit);
-  object["beacons"] = visit_beacons_json(*visit);
-  object["document"] = Json::parse(visit->document, nullptr, false);
+  line(to_string(visit.kind), fmt::format("{} of {}", visit.id, visit.site));
+  line("date", utc_text(visit.happened_s));
+  line("added", utc_text(visit.added_s));
+  line("verdict", visit.verdict);
+  line("air [degC]", temperature_text(visit));
+  if (visit.speed)
+    line("speed", fmt::format("{:.5f} m/s, sigma {:.3f} m/s, at {:g} degC", visit.speed->speed_mps,
+                              visit.speed->sigma_mps, visit.speed->temperature_degC));
+  line("operator", visit.who);
+  line("note", visit.note);
+  line("source", visit.source);
+  line("digest", visit.digest);
+  line("deployment", visit.deployment_digest);
+  session.result(text + beacons_text(visit));
+  Json object = visit_json(visit);
+  object["beacons"] = visit_beacons_json(visit);
+  object["document"] = Json::parse(visit.document, nullptr, false);
   return session.finish({{"database", args.database}, {"visit", object}});
 }
 
@@ -193,24 +178,14 @@ std::string export_json(const std::vector<io::Visit>& visits) {
 int write_export(const HistoryArgs& args, Session& session) {
   const bool as_json = args.output.ends_with(".json");
   if (!as_json && !args.output.ends_with(".csv") && args.output != "-")
-    return session.fail_usage(
+    fail_usage(
         fmt::format("-o {}: expected a name in .csv or .json, or - for CSV on standard output", args.output));
-  if (const auto refused = refuse_outputs({args.database, args.database + "-wal", args.database + "-shm"},
-                                          {{"-o", args.output}}, session))
-    return *refused;
-  auto history = io::History::open(args.database, false);
-  if (!history) return session.fail(history.error());
-  const auto chosen = chosen_visits(*history, args);
-  if (!chosen) return session.fail(chosen.error());
+  check_outputs({args.database, args.database + "-wal", args.database + "-shm"}, {{"-o", args.output}},
+                session);
+  io::History history = need(io::History::open(args.database, false));
   std::vector<io::Visit> visits;
-  for (const io::Visit& v : *chosen) {
-    auto whole = history->get(v.id);
-    if (!whole) return session.fail(whole.error());
-    visits.push_back(std::move(*whole));
-  }
-  if (auto written = io::write_file(args.output, as_json ? export_json(visits) : export_csv(visits));
-      !written)
-    return session.fail(written.error());
+  for (const io::Visit& v : chosen_visits(history, args)) visits.push_back(need(history.get(v.id)));
+  need(io::write_file(args.output, as_json ? export_json(visits) : export_csv(visits)));
   session.result(fmt::format("{:<17}{} visits, {}\n", "exported", visits.size(),
                              args.output == "-" ? "standard output" : args.output));
   return session.finish({{"database", args.database}, {"visits", visits.size()}, {"written", args.output}});
@@ -257,21 +232,19 @@ Json visit_beacons_json(const io::Visit& visit) {
   return list;
 }
 
-Result<std::string> chosen_site(io::History& history, const HistoryArgs& args) {
-  const auto visits = history.list();
-  if (!visits) return fail(visits.error());
+std::string chosen_site(io::History& history, const HistoryArgs& args) {
   std::set<std::string> sites;
-  for (const io::Visit& v : *visits) sites.insert(v.site);
+  for (const io::Visit& v : need(history.list())) sites.insert(v.site);
   if (args.site.empty() && sites.size() == 1) return *sites.begin();
   if (sites.contains(args.site)) return args.site;
   std::string known;
   for (const std::string& site : sites)
     known += (known.empty() ? "" : ", ") + (site.empty() ? std::string("''") : site);
-  return fail({.code = args.site.empty() ? Errc::kUsage : Errc::kBadInput,
-               .file = args.database,
-               .found = args.site.empty() ? fmt::format("{} sites: {}", sites.size(), known)
-                                          : fmt::format("no site '{}', but {}", args.site, known),
-               .expected = "one of them by --site"});
+  fail_with({.code = args.site.empty() ? Errc::kUsage : Errc::kBadInput,
+             .file = args.database,
+             .found = args.site.empty() ? fmt::format("{} sites: {}", sites.size(), known)
+                                        : fmt::format("no site '{}', but {}", args.site, known),
+             .expected = "one of them by --site"});
 }
 
 void add_history(CLI::App& app, CommonOptions& common, Action& action) {

@@ -29,7 +29,7 @@ int history_trend(const HistoryArgs& args, Session& session);
 /// A visit without its document and beacons.
 [[nodiscard]] Json visit_json(const io::Visit& visit);
 [[nodiscard]] Json visit_beacons_json(const io::Visit& visit);
-/// The one site of a history, or the one that was named. Errors: there are several, or none of this name.
-[[nodiscard]] Result<std::string> chosen_site(io::History& history, const HistoryArgs& args);
+/// The one site of a history, or the one that was named. Fails where there are several, or none of this name.
+[[nodiscard]] std::string chosen_site(io::History& history, const HistoryArgs& args);
 
 }  // namespace octant::app

@@ -223,13 +223,11 @@ Json next_json(const survey::SiteTrend& trend, double last_s) {
 }
 
 /// What the site must reach, by its latest calibration; where it says nothing, what TrendOptions says.
-Result<double> drift_limit_m(io::History& history, const HistoryArgs& args, const io::Visit& latest) {
+double drift_limit_m(io::History& history, const HistoryArgs& args, const io::Visit& latest) {
   if (args.limit_m) return *args.limit_m;
-  const auto whole = history.get(latest.id);
-  if (!whole) return fail(whole.error());
-  const auto deployment = io::deployment_from_json(whole->document, args.database);
-  if (!deployment) return fail(deployment.error());
-  return deployment->tolerance.beacon_m.value_or(survey::TrendOptions{}.limit_m);
+  const Deployment deployment =
+      need(io::deployment_from_json(need(history.get(latest.id)).document, args.database));
+  return deployment.tolerance.beacon_m.value_or(survey::TrendOptions{}.limit_m);
 }
 
 /// The charts that were asked for: all, or a beacon's.
@@ -254,39 +252,33 @@ Json speeds_json(const std::vector<survey::CalibrationRecord>& records) {
 }  // namespace
 
 int history_trend(const HistoryArgs& args, Session& session) {
-  auto history = io::History::open(args.database, false);
-  if (!history) return session.fail(history.error());
-  const auto site = chosen_site(*history, args);
-  if (!site) return session.fail(site.error());
-  const auto visits = history->calibrations(*site);
-  if (!visits) return session.fail(visits.error());
-  if (visits->empty())
-    return session.fail(Error{.file = args.database,
-                              .found = fmt::format("no calibration of {}", *site),
-                              .expected = "some",
-                              .advice = "octant history add DEPLOYMENT.json"});
-  const auto limit_m = drift_limit_m(*history, args, visits->back());
-  if (!limit_m) return session.fail(limit_m.error());
-  std::vector<survey::CalibrationRecord> records;
-  for (const io::Visit& v : *visits) records.push_back(record_of(v));
+  io::History history = need(io::History::open(args.database, false));
+  const std::string site = chosen_site(history, args);
+  const std::vector<io::Visit> visits = need(history.calibrations(site));
+  if (visits.empty())
+    fail_with({.file = args.database,
+               .found = fmt::format("no calibration of {}", site),
+               .expected = "some",
+               .advice = "octant history add DEPLOYMENT.json"});
   survey::TrendOptions options;
-  options.limit_m = *limit_m;
+  options.limit_m = drift_limit_m(history, args, visits.back());
+  std::vector<survey::CalibrationRecord> records;
+  for (const io::Visit& v : visits) records.push_back(record_of(v));
   const survey::SiteTrend trend = survey::site_trend(records, options);
   const auto charts = charts_of(trend, args.beacon);
   const bool known =
-      args.beacon.empty() || std::ranges::any_of(*visits, [&](const io::Visit& v) {
+      args.beacon.empty() || std::ranges::any_of(visits, [&](const io::Visit& v) {
         return std::ranges::any_of(v.beacons, [&](const auto& b) { return b.name == args.beacon; });
       });
   if (!known)
-    return session.fail(
-        Error{.file = args.database,
-              .found = fmt::format("no beacon '{}' in the calibrations of {}", args.beacon, *site),
-              .expected = "one of theirs",
-              .advice = "octant history trend lists them"});
+    fail_with({.file = args.database,
+               .found = fmt::format("no beacon '{}' in the calibrations of {}", args.beacon, site),
+               .expected = "one of theirs",
+               .advice = "octant history trend lists them"});
 
   const double last_s = records.back().time_s;
   std::string text =
-                  fmt::format("{}: {} calibration{}, {} to {}\n", *site, records.size(),
+                  fmt::format("{}: {} calibration{}, {} to {}\n", site, records.size(),
                               records.size() == 1 ? "" : "s", day_at(records.front().time_s), day_at(last_s)),
               alarms;
   Json list = Json::array();
@@ -299,9 +291,9 @@ int history_trend(const HistoryArgs& args, Session& session) {
   session.result(text + "\n" + (alarms.empty() ? fmt::format("{:<17}none\n", "alarm") : alarms) +
                  forecast_text(trend, last_s));
   return session.finish({{"database", args.database},
-                         {"site", *site},
+                         {"site", site},
                          {"calibrations", records.size()},
-                         {"limit_m", *limit_m},
+                         {"limit_m", options.limit_m},
                          {"cusum_h", trend.cusum_h},
                          {"visits_an_alarm", trend.visits_an_alarm},
                          {"charts", list},

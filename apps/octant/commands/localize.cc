@@ -29,15 +29,11 @@ struct LocalizeArgs {
 };
 
 /// Both files or none.
-Result<void> write_outputs(const LocalizeArgs& args, const Deployment& deployment,
-                           const std::vector<Fix>& fixes) {
-  if (!args.csv.empty()) {
-    if (auto written = io::write_file(args.csv, io::fixes_to_csv(fixes, names_of(deployment))); !written)
-      return written;
-  }
-  auto written = io::write_file(args.output, io::fixes_to_tum(fixes));
+void write_outputs(const LocalizeArgs& args, const Deployment& deployment, const std::vector<Fix>& fixes) {
+  if (!args.csv.empty()) need(io::write_file(args.csv, io::fixes_to_csv(fixes, names_of(deployment))));
+  const auto written = io::write_file(args.output, io::fixes_to_tum(fixes));
   if (!written && !args.csv.empty() && args.csv != "-") std::remove(args.csv.c_str());
-  return written;
+  need(written);
 }
 
 void warn_of_no_fix(const Deployment& deployment, const std::vector<MeasurementLog>& runs,
@@ -78,42 +74,32 @@ std::string fixes_text(const Localization& found) {
 int run_live(const LocalizeArgs& args, Session& session) {
   if (!args.runs.empty() || !args.csv.empty() || (!args.output.empty() && args.output != "-") ||
       session.options.json)
-    return session.fail_usage(
-        "--follow takes lines (--from) instead of runs, and its fixes go to standard output",
-        "leave RUN, -o, --csv and --json out");
+    fail_usage("--follow takes lines (--from) instead of runs, and its fixes go to standard output",
+               "leave RUN, -o, --csv and --json out");
   return follow(args.live, args.deployment, args.trusted_key, args.how.method, session);
 }
 
 int run(const LocalizeArgs& args, Session& session) {
   if (args.live.follow) return run_live(args, session);
   if (args.runs.empty() || args.output.empty())
-    return session.fail_usage(
-        args.runs.empty() ? "RUN is required (run folders: the recordings)" : "--output is required",
-        "octant localize --help explains; --follow localizes as the data come");
-  if (const auto refused =
-          refuse_outputs(with_files(args.runs, {args.deployment, args.trusted_key, args.how.map}),
-                         {{"-o", args.output}, {"--csv", args.csv}}, session))
-    return *refused;
-  const auto deployment = read_trusted_deployment(args.deployment, args.trusted_key);
-  if (!deployment) return session.fail(deployment.error());
-  warn_if_contradicted(*deployment, args.deployment, session);
-  warn_if_overdue(*deployment, session);
-  const auto runs = read_runs(args.runs, *deployment,
+    fail_usage(args.runs.empty() ? "RUN is required (run folders: the recordings)" : "--output is required",
+               "octant localize --help explains; --follow localizes as the data come");
+  check_outputs(with_files(args.runs, {args.deployment, args.trusted_key, args.how.map}),
+                {{"-o", args.output}, {"--csv", args.csv}}, session);
+  const Deployment deployment = need(read_trusted_deployment(args.deployment, args.trusted_key));
+  warn_if_contradicted(deployment, args.deployment, session);
+  warn_if_overdue(deployment, session);
+  const auto runs = read_runs(args.runs, deployment,
                               {.read_truth = false, .read_poses = looks_at_poses(args.how)}, session);
-  if (!runs) return session.fail(runs.error());
-  const auto input = method_input(args.how, *deployment);
-  if (!input) return session.fail(input.error());
-  auto located = localize_runs(*deployment, *runs, args.how.method, *input);
-  if (!located) return session.fail(located.error());
-  const Localization& found = *located;
-  if (interrupted()) return session.interrupted();
-  if (found.ok == 0) warn_of_no_fix(*deployment, *runs, found, session);
+  const Localization found =
+      need(localize_runs(deployment, runs, args.how.method, method_input(args.how, deployment)));
+  stop_if_interrupted();
+  if (found.ok == 0) warn_of_no_fix(deployment, runs, found, session);
   warn_of_fixes(args, found, session);
-  warn_outside_validity(*deployment, *runs, found, session);
-  if (auto written = write_outputs(args, *deployment, found.fixes); !written)
-    return session.fail(written.error());
+  warn_outside_validity(deployment, runs, found, session);
+  write_outputs(args, deployment, found.fixes);
 
-  const auto left_out = left_out_by_beacon(*deployment, *runs, found);
+  const auto left_out = left_out_by_beacon(deployment, runs, found);
   session.result(fixes_text(found) + integrity_text(found) + left_out_text(left_out));
   for (const std::string& file : {args.output, args.csv})
     if (!file.empty() && file != "-") session.result(fmt::format("{:<17}{}\n", "written", file));
@@ -128,9 +114,9 @@ int run(const LocalizeArgs& args, Session& session) {
                          {"left_out", left_out_json(left_out)},
                          {"no_fix_reasons", no_fix_json(found)},
                          {"integrity", integrity_json(found)},
-                         {"assumed_temperature_degC", assumed_temperature_json(*deployment, found, *runs)},
-                         {"speeds", speeds_json(found, *runs)},
-                         {"calibration", calibration_age_json(*deployment)}});
+                         {"assumed_temperature_degC", assumed_temperature_json(deployment, found, runs)},
+                         {"speeds", speeds_json(found, runs)},
+                         {"calibration", calibration_age_json(deployment)}});
 }
 
 }  // namespace

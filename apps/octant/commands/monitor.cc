@@ -21,23 +21,20 @@ struct MonitorArgs {
 };
 
 int run(const MonitorArgs& args, Session& session) {
-  const auto visit = revisit_files(args.deployment, args.runs, args.drift, session);
-  if (!visit) return session.fail(visit.error());
-  if (visit->revisit.status == calib::SolveStatus::kInterrupted || interrupted())
-    return session.interrupted();
-  Json object = visit->head;
-  object.update(revisit_json(*visit, session));
-  object["calibration"] = calibration_age_json(visit->before);
-  warn_if_overdue(visit->before, session);
-  if (const auto failure = failure_of(visit->revisit)) return session.fail(*failure, object);
-  session.result(revisit_text(*visit) + due_line(visit->before));
+  const SecondVisitFiles visit = revisit_files(args.deployment, args.runs, args.drift, session);
+  Json object = visit.head;
+  object.update(revisit_json(visit, session));
+  object["calibration"] = calibration_age_json(visit.before);
+  warn_if_overdue(visit.before, session);
+  if (const auto failure = failure_of(visit.revisit)) return session.fail(*failure, object);
+  session.result(revisit_text(visit) + due_line(visit.before));
   std::string message, advice;
-  for (const Change& c : visit->revisit.comparison.changes) {
-    if (!needs_action(c, visit->revisit.medium)) continue;
+  for (const Change& c : visit.revisit.comparison.changes) {
+    if (!needs_action(c, visit.revisit.medium)) continue;
     message += (message.empty() ? "" : "; ") + in_words(c);
     advice += (advice.empty() ? "" : "; ") + remedy_of(c);
   }
-  if (const std::vector<std::string>& silent = visit->revisit.silent; !silent.empty()) {
+  if (const std::vector<std::string>& silent = visit.revisit.silent; !silent.empty()) {
     message += fmt::format("{}nothing is heard of {}", message.empty() ? "" : "; ", fmt::join(silent, ", "));
     advice += fmt::format("{}look at {} on site", advice.empty() ? "" : "; ", fmt::join(silent, ", "));
   }

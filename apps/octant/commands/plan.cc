@@ -12,18 +12,16 @@ namespace {
 int run(const PlanArgs& args, Session& session) {
   const int asked =
       (args.beacons || args.tolerance_m ? 1 : 0) + (args.stations ? 1 : 0) + (args.schedule ? 1 : 0);
-  const auto usage = [&](const std::string& message) {
-    return session.fail_usage(message, "octant plan --help");
-  };
+  const auto usage = [](const std::string& message) { fail_usage(message, "octant plan --help"); };
   if (asked == 0)
-    return usage("say what is to be planned: --beacons N or --tolerance M, --stations N, or --schedule");
-  if (asked > 1) return usage("one plan at a time: --beacons or --tolerance, --stations, --schedule");
-  if (!args.stations && !args.runs.empty()) return usage("recordings help with --stations alone");
+    usage("say what is to be planned: --beacons N or --tolerance M, --stations N, or --schedule");
+  if (asked > 1) usage("one plan at a time: --beacons or --tolerance, --stations, --schedule");
+  if (!args.stations && !args.runs.empty()) usage("recordings help with --stations alone");
   if (!(args.beacons || args.tolerance_m) && (!args.output.empty() || !args.report.empty()))
-    return usage("-o and --report go with --beacons or --tolerance");
-  if (!args.stations && !args.csv.empty()) return usage("--csv goes with --stations");
+    usage("-o and --report go with --beacons or --tolerance");
+  if (!args.stations && !args.csv.empty()) usage("--csv goes with --stations");
   if ((args.output == "-") + (args.report == "-") + (args.csv == "-") + session.options.json > 1)
-    return session.fail_usage("only one of -o -, --report -, --csv - and --json can have standard output");
+    fail_usage("only one of -o -, --report -, --csv - and --json can have standard output");
   if (args.stations) return plan_stations(args, session);
   return args.schedule ? plan_schedule(args, session) : plan_beacons(args, session);
 }

@@ -44,20 +44,16 @@ survey::PlacementOptions options_of(const PlanArgs& args, ProgressReporter& repo
   return o;
 }
 
-Result<BeaconPlan> plan_of(const PlanArgs& args, const SurveyInput& input,
-                           const survey::PlacementOptions& options) {
+BeaconPlan plan_of(const PlanArgs& args, const SurveyInput& input, const survey::PlacementOptions& options) {
   BeaconPlan plan;
   if (args.tolerance_m && !args.beacons) {
-    auto smallest = survey::smallest_placement(input.model, input.scene, *args.tolerance_m,
-                                               static_cast<std::size_t>(args.most), options);
-    if (!smallest) return fail(smallest.error());
-    plan.placement = std::move(smallest->placement);
-    plan.reached = smallest->reached;
+    auto smallest = need(survey::smallest_placement(input.model, input.scene, *args.tolerance_m,
+                                                    static_cast<std::size_t>(args.most), options));
+    plan.placement = std::move(smallest.placement);
+    plan.reached = smallest.reached;
   } else {
-    auto placement =
-        survey::place_beacons(input.model, input.scene, static_cast<std::size_t>(*args.beacons), options);
-    if (!placement) return fail(placement.error());
-    plan.placement = std::move(*placement);
+    plan.placement = need(
+        survey::place_beacons(input.model, input.scene, static_cast<std::size_t>(*args.beacons), options));
     plan.reached = !args.tolerance_m || plan.placement.figures.objective_m <= *args.tolerance_m;
   }
   const std::size_t own = plan.placement.beacons.size(),
@@ -66,10 +62,10 @@ Result<BeaconPlan> plan_of(const PlanArgs& args, const SurveyInput& input,
   for (std::size_t n = std::max(kept + 1, most > kProofRows ? most - kProofRows + 1 : 1);
        args.proof > 0 && n <= most && !plan.placement.interrupted; ++n) {
     if (n < static_cast<std::size_t>(input.model.unknowns.position) && n != own) continue;
-    const auto row = n == own ? plan.placement : survey::place_beacons(input.model, input.scene, n, options);
-    if (!row) return fail(row.error());
-    plan.placement.interrupted = plan.placement.interrupted || row->interrupted;
-    plan.proof.push_back(survey::proof_row(*row));
+    const survey::Placement row =
+        n == own ? plan.placement : need(survey::place_beacons(input.model, input.scene, n, options));
+    plan.placement.interrupted = plan.placement.interrupted || row.interrupted;
+    plan.proof.push_back(survey::proof_row(row));
   }
   if (plan.proof.empty()) plan.proof.push_back(survey::proof_row(plan.placement));
   return plan;
@@ -140,34 +136,27 @@ std::string plan_text(const PlanArgs& args, const BeaconPlan& plan, const std::s
   return text + proof.text();
 }
 
-Result<std::string> new_site(const PlanArgs& args, const BeaconPlan& plan, Session& session) {
-  const auto old = io::read_document(args.input);
-  if (!old) return fail(old.error());
+std::string new_site(const PlanArgs& args, const BeaconPlan& plan, Session& session) {
+  const std::string old = need(io::read_document(args.input));
   std::vector<io::SiteBeaconEntry> entries;
   for (const auto& b : plan.placement.beacons) {
     if (b.mount.empty()) continue;
     entries.push_back({b.beacon.name, b.beacon.p_map_m, args.mount_sigma_m, {}});
     if (!b.beacon.axis.isZero()) entries.back().axis = b.beacon.axis;
   }
-  auto site = io::with_beacons(*old, args.input, entries, args.keep);
-  if (!site) return fail(site.error());
-  session.warn(site->warnings);
-  return std::move(site->text);
+  io::SiteBeaconsText site = need(io::with_beacons(old, args.input, entries, args.keep));
+  session.warn(site.warnings);
+  return std::move(site.text);
 }
 
-Result<Json> write_plan_outputs(const PlanArgs& args, const SurveyInput& input, const BeaconPlan& plan,
-                                Session& session) {
+Json write_plan_outputs(const PlanArgs& args, const SurveyInput& input, const BeaconPlan& plan,
+                        Session& session) {
   Json written = Json::array();
-  const auto write = [&](const std::string& path, const std::string& content) -> Result<void> {
-    if (auto done = io::write_file(path, content); !done) return done;
+  const auto write = [&](const std::string& path, const std::string& content) {
+    need(io::write_file(path, content));
     if (path != "-") written.push_back(path);
-    return {};
   };
-  if (!args.output.empty()) {
-    const auto site = new_site(args, plan, session);
-    if (!site) return fail(site.error());
-    if (auto done = write(args.output, *site); !done) return fail(done.error());
-  }
+  if (!args.output.empty()) write(args.output, new_site(args, plan, session));
   if (!args.report.empty()) {
     const survey::ProofSheetInput sheet{
         .name = input.model.name,
@@ -180,7 +169,7 @@ Result<Json> write_plan_outputs(const PlanArgs& args, const SurveyInput& input, 
         .floor_m = input.model.floor_m,
         .walls = input.model.walls,
         .tolerance_m = args.tolerance_m};
-    if (auto done = write(args.report, survey::proof_sheet_html(sheet)); !done) return fail(done.error());
+    write(args.report, survey::proof_sheet_html(sheet));
   }
   return written;
 }
@@ -188,36 +177,28 @@ Result<Json> write_plan_outputs(const PlanArgs& args, const SurveyInput& input, 
 }  // namespace
 
 int plan_beacons(const PlanArgs& args, Session& session) {
-  if (const auto refused =
-          refuse_outputs({args.input, args.scene}, {{"-o", args.output}, {"--report", args.report}}, session))
-    return *refused;
-  const auto input = read_survey_input(args.input, args.scene, args.vehicle, {}, session,
-                                       args.keep ? BeaconPlaces::kStated : BeaconPlaces::kNone);
-  if (!input) return session.fail(input.error());
-  if (auto fit =
-          check_no_overwriting({.inputs = input->scene.imported, .outputs = {args.output, args.report}});
-      !fit)
-    return session.fail(fit.error());
-  if (!input->site)
-    return session.fail(Error{.file = args.input,
-                              .found = "a deployment",
-                              .expected = "a site file: beacons are planned before they are calibrated"});
+  check_outputs({args.input, args.scene}, {{"-o", args.output}, {"--report", args.report}}, session);
+  const SurveyInput input = read_survey_input(args.input, args.scene, args.vehicle, {}, session,
+                                              args.keep ? BeaconPlaces::kStated : BeaconPlaces::kNone);
+  check_no_overwriting({.inputs = input.scene.imported, .outputs = {args.output, args.report}});
+  if (!input.site)
+    fail_with({.file = args.input,
+               .found = "a deployment",
+               .expected = "a site file: beacons are planned before they are calibrated"});
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
-  const auto plan = plan_of(args, *input, options_of(args, reporter, session));
+  const BeaconPlan plan = plan_of(args, input, options_of(args, reporter, session));
   reporter.finish();
-  if (!plan) return session.fail(plan.error());
-  if (plan->placement.interrupted || interrupted()) return session.interrupted();
-  const auto written = write_plan_outputs(args, *input, *plan, session);
-  if (!written) return session.fail(written.error());
-  session.result(plan_text(args, *plan, input->model.name, session));
-  for (const auto& file : *written)
+  stop_if_interrupted(plan.placement.interrupted);
+  const Json written = write_plan_outputs(args, input, plan, session);
+  session.result(plan_text(args, plan, input.model.name, session));
+  for (const auto& file : written)
     session.result(fmt::format("{:<17}{}\n", "written", file.get<std::string>()));
-  Json object = plan_json(args, *plan, session);
-  object["written"] = *written;
-  if (plan->reached) return session.finish(object);
+  Json object = plan_json(args, plan, session);
+  object["written"] = written;
+  if (plan.reached) return session.finish(object);
   return session.fail({"gate_failed", "gate_failed", kGateFailed,
-                       fmt::format("{} beacons reach {}, the tolerance is {}", plan->placement.beacons.size(),
-                                   figure(plan->placement.figures), length_text(*args.tolerance_m)),
+                       fmt::format("{} beacons reach {}, the tolerance is {}", plan.placement.beacons.size(),
+                                   figure(plan.placement.figures), length_text(*args.tolerance_m)),
                        "allow more beacons (--most), more mounts, or a larger tolerance"},
                       object);
 }

@@ -67,23 +67,18 @@ std::string schedule_plan_text(const survey::FloorSchedule& s, const survey::Sur
 }  // namespace
 
 int plan_schedule(const PlanArgs& args, Session& session) {
-  const auto input = read_survey_input(args.input, args.scene, args.vehicle, {}, session);
-  if (!input) return session.fail(input.error());
-  const auto schedule = survey::floor_schedule(input->model, input->scene,
-                                               {.height_m = args.height_m,
-                                                .wall_reflection = args.wall_reflection,
-                                                .pulse_s = args.pulse_s,
-                                                .trust_walls = args.trust_walls,
-                                                .by_time = args.by_time,
-                                                .threads = session.threads()});
-  if (!schedule) {
-    Error error = schedule.error();
-    if (error.file.empty()) error.file = args.input;
-    return session.fail(error);
-  }
-  session.warn(schedule->warnings);
-  session.result(schedule_plan_text(*schedule, input->model, args));
-  return session.finish(schedule_plan_json(*schedule, input->model, session));
+  const SurveyInput input = read_survey_input(args.input, args.scene, args.vehicle, {}, session);
+  const survey::FloorSchedule schedule = need(survey::floor_schedule(input.model, input.scene,
+                                                                     {.height_m = args.height_m,
+                                                                      .wall_reflection = args.wall_reflection,
+                                                                      .pulse_s = args.pulse_s,
+                                                                      .trust_walls = args.trust_walls,
+                                                                      .by_time = args.by_time,
+                                                                      .threads = session.threads()}),
+                                              args.input);
+  session.warn(schedule.warnings);
+  session.result(schedule_plan_text(schedule, input.model, args));
+  return session.finish(schedule_plan_json(schedule, input.model, session));
 }
 
 }  // namespace octant::app

@@ -32,39 +32,31 @@ struct KnownBefore {
 };
 
 /// A calibration of what was recorded so far, and of what it says about hearing.
-Result<KnownBefore> known_from_runs(const PlanArgs& args, const Site& site, Session& session) {
-  auto runs = read_runs(args.runs, site, {}, session);
-  if (!runs) return fail(runs.error());
-  auto problem = calib::make_problem(site, std::move(*runs));
-  if (!problem) return fail(problem.error());
+KnownBefore known_from_runs(const PlanArgs& args, const Site& site, Session& session) {
+  const calib::Problem problem = need(calib::make_problem(site, read_runs(args.runs, site, {}, session)));
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
-  const calib::Solution solution = calib::solve(*problem, solve_options(session, reporter, 0.5));
-  if (solution.status == calib::SolveStatus::kInterrupted)
-    return fail({.code = Errc::kInterrupted, .found = "interrupted"});
+  const calib::Solution solution = calib::solve(problem, solve_options(session, reporter, 0.5));
+  stop_if_interrupted(solution.status == calib::SolveStatus::kInterrupted);
   if (solution.status != calib::SolveStatus::kConverged)
     session.warn("the recordings alone would not be exported: " + solution.message);
-  auto knowledge = calib::knowledge_of(*problem, solution, session.threads());
-  if (!knowledge) return fail(knowledge.error());
-  KnownBefore before{std::move(*knowledge), calib::hearing_of(solution, site), {}};
-  for (const MeasurementLog& run : problem->runs)
+  KnownBefore before{
+      need(calib::knowledge_of(problem, solution, session.threads())), calib::hearing_of(solution, site), {}};
+  for (const MeasurementLog& run : problem.runs)
     if (!run.poses.empty()) before.measured_poses = run.pose_accuracy;
   return before;
 }
 
-Result<KnownBefore> known_before(const PlanArgs& args, const SurveyInput& input, Session& session) {
+KnownBefore known_before(const PlanArgs& args, const SurveyInput& input, Session& session) {
   if (!args.runs.empty() && !input.site)
-    return fail({.code = Errc::kUsage,
-                 .file = args.input,
-                 .found = "recordings beside a deployment",
-                 .expected = "a site file with recordings, or a deployment alone"});
+    fail_with({.code = Errc::kUsage,
+               .file = args.input,
+               .found = "recordings beside a deployment",
+               .expected = "a site file with recordings, or a deployment alone"});
   if (!args.runs.empty()) return known_from_runs(args, *input.site, session);
-  auto knowledge = input.site ? calib::knowledge_of(*input.site) : calib::knowledge_of(*input.deployment);
-  if (!knowledge) {
-    Error error = knowledge.error();
-    if (error.file.empty()) error.file = args.input;
-    return fail(error);
-  }
-  return KnownBefore{std::move(*knowledge), {}, {}};
+  return {need(input.site ? calib::knowledge_of(*input.site) : calib::knowledge_of(*input.deployment),
+               args.input),
+          {},
+          {}};
 }
 
 /// Range and angle by the words, else by the recordings; walls and beams by the scene, with the beacons where
@@ -75,13 +67,12 @@ void complete_hearing(const PlanArgs& args, const SurveyInput& input, survey::Su
   hearing.range_m = args.range_m.value_or(std::min(hearing.range_m, survey::reach_m(model.hearing)));
   if (args.hearing_deg) hearing.half_angle_rad = *args.hearing_deg / kDegrees;
   if (args.range_m) model.hearing.range_m = *args.range_m;
-  const auto names = input.site ? names_of(*input.site) : names_of(*input.deployment);
+  const NameTable names = input.names();
   std::vector<std::size_t> of_model(names.beacons.size(), model.beacons.size());
   for (std::size_t b = 0; b < names.beacons.size(); ++b)
     for (std::size_t m = 0; m < model.beacons.size(); ++m)
       if (model.beacons[m].name == names.beacons[b]) of_model[b] = m;
-  const auto& vehicles = input.site ? input.site->vehicles : input.deployment->vehicles;
-  const std::size_t first_receiver = vehicles[model.vehicle].first_receiver;
+  const std::size_t first_receiver = input.vehicles()[model.vehicle].first_receiver;
   hearing.also = [&model, of_model, first_receiver](BeaconId beacon, ReceiverId receiver,
                                                     const Pose& T_map_vehicle) {
     const std::size_t m = of_model[beacon.index()];
@@ -96,8 +87,8 @@ Json known_json(const calib::BeaconKnowledge& k, const std::vector<std::string>&
           {"worst_beacon", names.empty() ? Json(nullptr) : Json(names[k.worst_beacon])}};
 }
 
-/// An error where no beacon's position is asked for: no stop could improve any.
-Result<void> check_something_is_asked_for(const PlanArgs& args, const SurveyInput& input) {
+/// Fails where no beacon's position is asked for: no stop could improve any.
+void check_something_is_asked_for(const PlanArgs& args, const SurveyInput& input) {
   bool all_held = true;
   std::size_t beacons = 0;
   if (input.site) {
@@ -108,15 +99,14 @@ Result<void> check_something_is_asked_for(const PlanArgs& args, const SurveyInpu
       all_held = all_held && b.status == BeaconStatus::kControlPoint;
     beacons = input.deployment->beacons.size();
   }
-  if (!all_held) return {};
-  return fail(
-      {.file = args.input,
-       .found = fmt::format("all {} beacons are control points (sigma_m: 0): their positions are held, "
-                            "and no stop can tell them better",
-                            beacons),
-       .expected = "at least one beacon whose position is to be calibrated",
-       .advice = "state how far off their positions may be as sigma_m; where they are exact, nothing "
-                 "but delays and the speed is left, and stops anywhere among the beacons tell those"});
+  if (!all_held) return;
+  fail_with({.file = args.input,
+             .found = fmt::format("all {} beacons are control points (sigma_m: 0): their positions are held, "
+                                  "and no stop can tell them better",
+                                  beacons),
+             .expected = "at least one beacon whose position is to be calibrated",
+             .advice = "state how far off their positions may be as sigma_m; where they are exact, nothing "
+                       "but delays and the speed is left, and stops anywhere among the beacons tell those"});
 }
 
 std::string heard_words(const calib::Station& s, const std::vector<std::string>& names) {
@@ -210,56 +200,44 @@ std::string stations_plan_text(const calib::StationPlan& plan, const std::vector
 }  // namespace
 
 int plan_stations(const PlanArgs& args, Session& session) {
-  if (const auto refused =
-          refuse_outputs(with_files(args.runs, {args.input, args.scene}), {{"--csv", args.csv}}, session))
-    return *refused;
-  auto input = read_survey_input(args.input, args.scene, args.vehicle, {}, session,
-                                 args.runs.empty() ? BeaconPlaces::kStated : BeaconPlaces::kRecorded);
-  if (!input) return session.fail(input.error());
-  if (auto ok = check_something_is_asked_for(args, *input); !ok) return session.fail(ok.error());
-  auto before = known_before(args, *input, session);
-  if (!before && before.error().code == Errc::kInterrupted) return session.interrupted();
-  if (!before) return session.fail(before.error());
-  if (!args.runs.empty()) {
-    const calib::Knowledge& known = before->knowledge;
-    if (auto ok = place_recorded(args.input, known.placed, known.state.beacon_p_map_m, *input, session); !ok)
-      return session.fail(ok.error());
-  }
-  session.warn(before->knowledge.warnings);
-  complete_hearing(args, *input, input->model, *before);
+  check_outputs(with_files(args.runs, {args.input, args.scene}), {{"--csv", args.csv}}, session);
+  SurveyInput input = read_survey_input(args.input, args.scene, args.vehicle, {}, session,
+                                        args.runs.empty() ? BeaconPlaces::kStated : BeaconPlaces::kRecorded);
+  check_something_is_asked_for(args, input);
+  KnownBefore before = known_before(args, input, session);
+  const calib::Knowledge& known = before.knowledge;
+  if (!args.runs.empty())
+    place_recorded(args.input, known.placed, known.state.beacon_p_map_m, input, session);
+  session.warn(known.warnings);
+  complete_hearing(args, input, input.model, before);
   const auto places =
-      survey::stop_places(input->model, input->scene, args.grid_m.value_or(0.0), args.clearance_m);
-  if (!places) return session.fail(places.error());
+      need(survey::stop_places(input.model, input.scene, args.grid_m.value_or(0.0), args.clearance_m));
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
   calib::StationOptions options;
   options.stations = *args.stations;
   options.headings = args.headings;
   options.criterion = args.criterion == "d" ? calib::StationCriterion::kD : calib::StationCriterion::kA;
-  options.stop.hearing = before->hearing;
-  options.stop.vehicle = VehicleId(input->model.vehicle);
+  options.stop.hearing = before.hearing;
+  options.stop.vehicle = VehicleId(input.model.vehicle);
   options.stop.firings = args.rounds;
-  options.stop.height_m = input->model.vehicle_z_m;
-  options.stop.measured_poses = before->measured_poses;
-  options.places_m = places->places_m;
-  options.spacing_m = places->spacing_m;
-  options.may_stop = places->may_stop;
+  options.stop.height_m = input.model.vehicle_z_m;
+  options.stop.measured_poses = before.measured_poses;
+  options.places_m = places.places_m;
+  options.spacing_m = places.spacing_m;
+  options.may_stop = places.may_stop;
   options.threads = session.threads();
   options.on_progress = [&](double fraction) {
     reporter.show("stops", 0, 0.0, args.runs.empty() ? fraction : 0.5 + 0.5 * fraction);
     return !interrupted();
   };
-  const auto plan = calib::plan_stations(before->knowledge, options);
+  const calib::StationPlan plan = need(calib::plan_stations(known, options));
   reporter.finish();
-  if (!plan) return session.fail(plan.error());
-  if (plan->interrupted || interrupted()) return session.interrupted();
-  const double random_mean_m =
-      calib::random_stations_mean_m(before->knowledge, options, session.options.seed);
-  const auto names = input->site ? names_of(*input->site).beacons : names_of(*input->deployment).beacons;
-  Json object = stations_plan_json(args, *plan, names, random_mean_m, session);
-  if (!args.csv.empty())
-    if (auto done = io::write_file(args.csv, plan_csv(*plan, names)); !done)
-      return session.fail(done.error());
-  session.result(stations_plan_text(*plan, names, random_mean_m, input->model.name));
+  stop_if_interrupted(plan.interrupted);
+  const double random_mean_m = calib::random_stations_mean_m(known, options, session.options.seed);
+  const std::vector<std::string> names = input.names().beacons;
+  Json object = stations_plan_json(args, plan, names, random_mean_m, session);
+  if (!args.csv.empty()) need(io::write_file(args.csv, plan_csv(plan, names)));
+  session.result(stations_plan_text(plan, names, random_mean_m, input.model.name));
   return session.finish(object);
 }
 

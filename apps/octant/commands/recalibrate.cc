@@ -30,37 +30,31 @@ calib::Provenance provenance_of(const SecondVisitFiles& visit, const Session& se
 }
 
 /// Deployment and reports, all or none.
-Result<void> write_recalibration(const RecalibrateArgs& args, const Deployment& deployment,
-                                 const survey::ReportInput& input) {
+void write_recalibration(const RecalibrateArgs& args, const Deployment& deployment,
+                         const survey::ReportInput& input) {
   auto files = report_files(args.report, input);
-  auto text = io::checked_deployment_json(args.output, deployment);
-  if (!text) return fail(text.error());
-  files.push_back({args.output, std::move(*text)});
-  return io::write_files(files);
+  files.push_back({args.output, need(io::checked_deployment_json(args.output, deployment))});
+  need(io::write_files(files));
 }
 
 int run(const RecalibrateArgs& args, Session& session) {
-  if (const auto refused = refuse_outputs(with_files(args.runs, {args.deployment}),
-                                          report_outputs(args.report, {{"-o", args.output}}), session))
-    return *refused;
-  if (auto fit = check_report(args.report); !fit) return session.fail(fit.error());
-  const auto visit = revisit_files(args.deployment, args.runs, args.drift, session);
-  if (!visit) return session.fail(visit.error());
-  if (visit->revisit.status == calib::SolveStatus::kInterrupted || interrupted())
-    return session.interrupted();
-  Json object = revisit_json(*visit, session);
-  if (const auto failure = failure_of(visit->revisit)) return session.fail(*failure, object);
+  check_outputs(with_files(args.runs, {args.deployment}), report_outputs(args.report, {{"-o", args.output}}),
+                session);
+  check_report(args.report);
+  const SecondVisitFiles visit = revisit_files(args.deployment, args.runs, args.drift, session);
+  Json object = revisit_json(visit, session);
+  if (const auto failure = failure_of(visit.revisit)) return session.fail(*failure, object);
 
-  const Deployment now = calib::finished(visit->revisit, visit->before, provenance_of(*visit, session));
+  const Deployment now = calib::finished(visit.revisit, visit.before, provenance_of(visit, session));
   survey::ReportInput input = report_input(now, session);
-  input.changes = survey::changes_between(visit->before, now);
-  input.changes->found = visit->revisit.comparison.changes;
-  input.changes->silent = visit->revisit.silent;
+  input.changes = survey::changes_between(visit.before, now);
+  input.changes->found = visit.revisit.comparison.changes;
+  input.changes->silent = visit.revisit.silent;
   if (!args.report.paths.empty()) survey::add_geometry(input, session.threads());
   add_deployment_json(now, object);
   object["verdict"] = verdict_json(input);
-  if (auto written = write_recalibration(args, now, input); !written) return session.fail(written.error());
-  session.result(verdict_text(input) + "\n" + revisit_text(*visit));
+  write_recalibration(args, now, input);
+  session.result(verdict_text(input) + "\n" + revisit_text(visit));
   if (args.output != "-") session.result(fmt::format("{:<17}{}\n", "deployment", args.output));
   session.result(report_lines(args.report));
   return session.finish(object);

@@ -38,36 +38,27 @@ std::string digest_of(const std::string& text) {
 }
 
 /// What was saved, whole; or what a deployment says, with its geometry.
-Result<survey::ReportInput> read_saved(const std::string& text, const ReportCommandArgs& args,
-                                       Session& session) {
+survey::ReportInput read_saved(const std::string& text, const ReportCommandArgs& args, Session& session) {
   if (is_saved_report(text)) {
-    auto saved = report_from_json(text, args.saved);
-    if (saved) saved->command = session.command_line;
+    survey::ReportInput saved = need(report_from_json(text, args.saved));
+    saved.command = session.command_line;
     return saved;
   }
-  const auto deployment = io::deployment_from_json(text, args.saved);
-  if (!deployment) return fail(deployment.error());
-  survey::ReportInput input = report_input(*deployment, session);
+  survey::ReportInput input = report_input(need(io::deployment_from_json(text, args.saved)), session);
   survey::add_geometry(input, session.threads());
   return input;
 }
 
-Result<void> verify_with(const std::vector<std::string>& folders, survey::ReportInput& input,
-                         Session& session) {
-  if (folders.empty()) return {};
+void verify_with(const std::vector<std::string>& folders, survey::ReportInput& input, Session& session) {
+  if (folders.empty()) return;
   const Deployment& d = input.plan.deployment;
   if (input.outcome != survey::Outcome::kCalibrated)
-    return fail({.code = Errc::kUsage,
-                 .found = "runs beside the report of a calibration that exported nothing",
-                 .expected = "a report or a deployment that has beacons"});
+    fail_with({.code = Errc::kUsage,
+               .found = "runs beside the report of a calibration that exported nothing",
+               .expected = "a report or a deployment that has beacons"});
   const auto runs = read_runs(folders, d, {.read_truth = true, .read_poses = false}, session);
-  if (!runs) return fail(runs.error());
-  const auto found = localize_runs(d, *runs, Method::kAuto);
-  if (!found) return fail(found.error());
-  const auto evaluation = verify_fixes(d, *runs, *found);
-  if (!evaluation) return fail(evaluation.error());
-  add_verification(input, *found, *evaluation);
-  return {};
+  const Localization found = need(localize_runs(d, runs, Method::kAuto));
+  add_verification(input, found, verify_fixes(d, runs, found));
 }
 
 /// As Markdown where its name says so, else as a page without a script.
@@ -84,38 +75,33 @@ int run(const ReportCommandArgs& args, Session& session) {
   std::vector<OutputOption> outputs = {{"-o", ""}};
   for (const std::string& path : args.report.paths) outputs.push_back({"-o", path});
   outputs.insert(outputs.end(), {{"--site-sheet", args.site_sheet}, {"--certificate", args.certificate}});
-  if (const auto refused =
-          refuse_outputs(with_files(args.runs, {args.saved, args.report.since}), outputs, session))
-    return *refused;
-  if (auto fit = check_report(args.report); !fit) return session.fail(fit.error());
+  check_outputs(with_files(args.runs, {args.saved, args.report.since}), outputs, session);
+  check_report(args.report);
 
-  const auto text = io::read_document(args.saved);
-  if (!text) return session.fail(text.error());
-  auto input = read_saved(*text, args, session);
-  if (!input) return session.fail(input.error());
-  if (auto verified = verify_with(args.runs, *input, session); !verified)
-    return session.fail(verified.error());
-  if (interrupted()) return session.interrupted();
-  if (auto added = add_changes(*input, args.report.since); !added) return session.fail(added.error());
+  const std::string text = need(io::read_document(args.saved));
+  survey::ReportInput input = read_saved(text, args, session);
+  verify_with(args.runs, input, session);
+  stop_if_interrupted();
+  add_changes(input, args.report.since);
 
-  auto files = report_files(args.report, *input);
+  auto files = report_files(args.report, input);
   if (!args.site_sheet.empty())
-    files.push_back({args.site_sheet, survey::site_sheet_html(input->plan.deployment, digest_of(*text))});
+    files.push_back({args.site_sheet, survey::site_sheet_html(input.plan.deployment, digest_of(text))});
   if (!args.certificate.empty()) {
-    if (input->outcome != survey::Outcome::kCalibrated)
-      return session.fail(Error{.code = Errc::kUsage,
-                                .found = "--certificate of a calibration that exported nothing",
-                                .expected = "a deployment, or the report of a calibration that has one"});
-    files.push_back({args.certificate, certificate_page(args, *input, digest_of(*text))});
+    if (input.outcome != survey::Outcome::kCalibrated)
+      fail_with({.code = Errc::kUsage,
+                 .found = "--certificate of a calibration that exported nothing",
+                 .expected = "a deployment, or the report of a calibration that has one"});
+    files.push_back({args.certificate, certificate_page(args, input, digest_of(text))});
   }
-  if (auto written = io::write_files(files); !written) return session.fail(written.error());
-  session.result(changes_text(*input) + verdict_text(*input) + report_lines(args.report));
+  need(io::write_files(files));
+  session.result(changes_text(input) + verdict_text(input) + report_lines(args.report));
   if (!args.site_sheet.empty() && args.site_sheet != "-")
     session.result(fmt::format("{:<17}{}\n", "site sheet", args.site_sheet));
   if (!args.certificate.empty() && args.certificate != "-")
     session.result(fmt::format("{:<17}{}\n", "certificate", args.certificate));
-  Json object = {{"verdict", verdict_json(*input)}};
-  add_changes_json(*input, object);
+  Json object = {{"verdict", verdict_json(input)}};
+  add_changes_json(input, object);
   return session.finish(object);
 }
 

@@ -57,11 +57,9 @@ int print_schema(const SchemaArgs& args, Session& session) {
   const auto& [name, page] = args;
   const std::string format = format_named(name);
   if (io::schema(format).empty())
-    return session.fail_usage(
-        fmt::format("there is no format '{}'{}", name, did_you_mean(name, known_formats())),
-        fmt::format("expected {}", formats_in_words()));
-  if (page && session.options.json)
-    return session.fail_usage("--page is no JSON", "leave out one of --page and --json");
+    fail_usage(fmt::format("there is no format '{}'{}", name, did_you_mean(name, known_formats())),
+               fmt::format("expected {}", formats_in_words()));
+  if (page && session.options.json) fail_usage("--page is no JSON", "leave out one of --page and --json");
   if (page) return session.finish_document(io::schema_page(format, name));
   // It is one JSON object already, so --json changes nothing.
   return session.finish_document(io::schema_of_file(format, name));

@@ -20,8 +20,8 @@ struct SignArgs {
 
 int new_key(const SignArgs& args, Session& session) {
   if (!args.deployment.empty() || !args.key.empty() || !args.output.empty())
-    return session.fail_usage("--new-key makes a key and signs nothing", "octant sign --help explains");
-  if (auto made = io::make_key(args.new_key); !made) return session.fail(made.error());
+    fail_usage("--new-key makes a key and signs nothing", "octant sign --help explains");
+  need(io::make_key(args.new_key));
   session.result(fmt::format("{:<17}{}: keep it, and to yourself\n{:<17}{}.pub: for those who check\n",
                              "secret key", args.new_key, "public key", args.new_key));
   return session.finish({{"secret_key", args.new_key}, {"public_key", args.new_key + ".pub"}});
@@ -30,25 +30,17 @@ int new_key(const SignArgs& args, Session& session) {
 int sign(const SignArgs& args, Session& session) {
   if (!args.new_key.empty()) return new_key(args, session);
   if (args.deployment.empty() || args.key.empty() || args.output.empty())
-    return session.fail_usage("expected DEPLOYMENT.json, --key KEY and -o SIGNED.json, or --new-key FILE",
-                              "octant sign --help explains");
-  if (const auto refused = refuse_outputs({args.deployment, args.key}, {{"-o", args.output}}, session))
-    return *refused;
-  const auto text = io::read_document(args.deployment);
-  if (!text) return session.fail(text.error());
-  const auto signed_text = io::signed_deployment(*text, args.deployment, args.key);
-  if (!signed_text) return session.fail(signed_text.error());
-  if (auto written = io::write_file(args.output, *signed_text); !written)
-    return session.fail(written.error());
+    fail_usage("expected DEPLOYMENT.json, --key KEY and -o SIGNED.json, or --new-key FILE",
+               "octant sign --help explains");
+  check_outputs({args.deployment, args.key}, {{"-o", args.output}}, session);
+  const std::string text = need(io::read_document(args.deployment));
+  need(io::write_file(args.output, need(io::signed_deployment(text, args.deployment, args.key))));
   session.result(fmt::format("{:<17}{}\n", "signed", args.output));
   return session.finish({{"deployment", args.deployment}, {"written", args.output}});
 }
 
 int verify_signature(const SignArgs& args, Session& session) {
-  const auto text = io::read_document(args.deployment);
-  if (!text) return session.fail(text.error());
-  if (auto genuine = io::check_signature(*text, args.deployment, args.key); !genuine)
-    return session.fail(genuine.error());
+  need(io::check_signature(need(io::read_document(args.deployment)), args.deployment, args.key));
   session.result(
       fmt::format("{:<17}{} is as the owner of {} signed it\n", "genuine", args.deployment, args.key));
   return session.finish({{"deployment", args.deployment}, {"key", args.key}, {"genuine", true}});

@@ -28,29 +28,25 @@ struct SurveyArgs {
   bool still = false;
 };
 
-Result<survey::Survey> look(const SurveyArgs& args, Session& session) {
+survey::Survey look(const SurveyArgs& args, Session& session) {
   const ExitAtOnce nothing_written_yet;
-  auto input = read_survey_input(args.input, args.scene, args.vehicle, args.cell_m, session);
-  if (!input) return fail(input.error());
-  const Deployment* deployment = input->deployment ? &*input->deployment : nullptr;
-  return survey::run_survey(input->model, input->scene, deployment,
-                            {.threads = session.threads(), .failures = args.failures});
+  const auto input = read_survey_input(args.input, args.scene, args.vehicle, args.cell_m, session);
+  const Deployment* deployment = input.deployment ? &*input.deployment : nullptr;
+  return need(survey::run_survey(input.model, input.scene, deployment,
+                                 {.threads = session.threads(), .failures = args.failures}));
 }
 
 /// Report, CSV and maps; what was written, for people and machines.
-Result<Json> write_survey_outputs(const SurveyArgs& args, const survey::Survey& survey,
-                                  const std::optional<survey::FloorSchedule>& schedule,
-                                  const Session& session) {
+Json write_survey_outputs(const SurveyArgs& args, const survey::Survey& survey,
+                          const std::optional<survey::FloorSchedule>& schedule, const Session& session) {
   Json written = Json::array();
-  if (!args.csv.empty()) {
-    if (auto done = io::write_file(args.csv, survey::survey_csv(survey)); !done) return fail(done.error());
-    if (args.csv != "-") written.push_back(args.csv);
-  }
-  if (!args.maps.empty()) {
-    const auto files = write_maps(survey, args.maps);
-    if (!files) return fail(files.error());
-    for (const std::string& file : *files) written.push_back(args.maps + "/" + file);
-  }
+  const auto write = [&written](const std::string& path, const std::string& content) {
+    need(io::write_file(path, content));
+    if (path != "-") written.push_back(path);
+  };
+  if (!args.csv.empty()) write(args.csv, survey::survey_csv(survey));
+  if (!args.maps.empty())
+    for (const std::string& file : write_maps(survey, args.maps)) written.push_back(args.maps + "/" + file);
   if (!args.report.empty()) {
     const survey::SurveyPageInput about{.input = args.input,
                                         .created = created_now(),
@@ -58,11 +54,9 @@ Result<Json> write_survey_outputs(const SurveyArgs& args, const survey::Survey& 
                                         .command = session.command_line,
                                         .warnings = session.warnings(),
                                         .schedule = schedule};
-    const std::string page = args.report.ends_with(".md")
-                                 ? survey::to_markdown(survey::survey_document(survey, about))
-                                 : survey::survey_html(survey, about, !args.still);
-    if (auto done = io::write_file(args.report, page); !done) return fail(done.error());
-    if (args.report != "-") written.push_back(args.report);
+    write(args.report, args.report.ends_with(".md")
+                           ? survey::to_markdown(survey::survey_document(survey, about))
+                           : survey::survey_html(survey, about, !args.still));
   }
   return written;
 }
@@ -78,23 +72,19 @@ CommandFiles files_of(const SurveyArgs& args, const survey::Survey& survey) {
 }
 
 int run(const SurveyArgs& args, Session& session) {
-  if (const auto refused =
-          refuse_outputs({args.input, args.scene}, {{"-o", args.report}, {"--csv", args.csv}}, session))
-    return *refused;
-  const auto survey = look(args, session);
-  if (!survey) return session.fail(survey.error());
-  if (interrupted()) return session.interrupted();
-  if (auto fit = check_no_overwriting(files_of(args, *survey)); !fit) return session.fail(fit.error());
-  const auto schedule = survey::schedule_of_survey(survey->model, survey->scene, session.threads());
-  const auto written = write_survey_outputs(args, *survey, schedule, session);
-  if (!written) return session.fail(written.error());
-  session.result(survey_summary(*survey, schedule));
+  check_outputs({args.input, args.scene}, {{"-o", args.report}, {"--csv", args.csv}}, session);
+  const survey::Survey survey = look(args, session);
+  stop_if_interrupted();
+  check_no_overwriting(files_of(args, survey));
+  const auto schedule = survey::schedule_of_survey(survey.model, survey.scene, session.threads());
+  const Json written = write_survey_outputs(args, survey, schedule, session);
+  session.result(survey_summary(survey, schedule));
   for (const std::string& path : {args.report, args.csv, args.maps})
     if (!path.empty() && path != "-") session.result(fmt::format("{:<17}{}\n", "written", path));
-  if (session.options.verbose > 0) session.result("\n" + survey_text(*survey, schedule));
-  Json object = survey_json(*survey, schedule, args.bins);
+  if (session.options.verbose > 0) session.result("\n" + survey_text(survey, schedule));
+  Json object = survey_json(survey, schedule, args.bins);
   object["seconds"] = session.seconds();
-  object["written"] = *written;
+  object["written"] = written;
   return session.finish(object);
 }
 

@@ -48,7 +48,7 @@ int compare(const Deployment& deployment, const std::vector<MeasurementLog>& run
   std::string not_possible;
   for (const auto& [name, method] : method_names()) {
     if (method == Method::kAuto) continue;
-    if (interrupted()) return session.interrupted();
+    stop_if_interrupted();
     const auto began = std::chrono::steady_clock::now();
     const auto found = localize_runs(deployment, runs, method, input);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
@@ -58,22 +58,21 @@ int compare(const Deployment& deployment, const std::vector<MeasurementLog>& run
           fmt::format("{:<17}{}; expected {}\n", name, found.error().found, found.error().expected);
       continue;
     }
-    const auto e = verify_fixes(deployment, runs, *found);
-    if (!e) return session.fail(e.error());
+    const survey::Evaluation e = verify_fixes(deployment, runs, *found);
     const double each_us =
         1e6 * seconds / static_cast<double>(std::max<std::size_t>(1, found->ok + found->no_fix));
-    Json row = evaluation_json(*e);
+    Json row = evaluation_json(e);
     row.erase("gates");
     row.update({{"method", name}, {"possible", true}, {"seconds_per_fix", 1e-6 * each_us}});
     rows.push_back(std::move(row));
     const auto figure = [&](double value) {
-      return e->matched > 0 ? fmt::format("{:.1f}", value) : std::string("-");
+      return e.matched > 0 ? fmt::format("{:.1f}", value) : std::string("-");
     };
     table.rows.push_back(
         {std::string(name), fmt::format("{}", found->ok), fmt::format("{}", found->no_fix),
-         figure(1e3 * e->position_rmse_m), figure(1e3 * e->position_p95_m), figure(1e3 * e->max_error_m),
-         e->heading_rmse_rad ? figure(1e3 * *e->heading_rmse_rad) : "-",
-         e->nees_mean ? fmt::format("{:.2f}", *e->nees_mean) : "-", fmt::format("{:.0f}", each_us)});
+         figure(1e3 * e.position_rmse_m), figure(1e3 * e.position_p95_m), figure(1e3 * e.max_error_m),
+         e.heading_rmse_rad ? figure(1e3 * *e.heading_rmse_rad) : "-",
+         e.nees_mean ? fmt::format("{:.2f}", *e.nees_mean) : "-", fmt::format("{:.0f}", each_us)});
   }
   session.result(table.text() + (not_possible.empty() ? "" : "\nnot possible here:\n" + not_possible));
   return session.finish({{"status", "ok"}, {"methods", rows}});
@@ -88,56 +87,40 @@ Json located_json(const Deployment& deployment, const std::vector<MeasurementLog
 }
 
 int run(const VerifyArgs& args, Session& session) {
-  if (args.all_methods && !args.report.paths.empty())
-    return session.fail_usage("--all-methods is a table without a report");
-  if (const auto refused = refuse_outputs(
-          with_files(args.runs, {args.deployment, args.trusted_key, args.how.map, args.report.since}),
-          report_outputs(args.report), session))
-    return *refused;
-  if (auto fit = check_report(args.report); !fit) return session.fail(fit.error());
-  const auto deployment = read_trusted_deployment(args.deployment, args.trusted_key);
-  if (!deployment) return session.fail(deployment.error());
-  warn_if_contradicted(*deployment, args.deployment, session);
-  warn_if_overdue(*deployment, session);
-  const auto runs = read_runs(args.runs, *deployment,
-                              {.read_truth = true, .read_poses = looks_at_poses(args.how)}, session);
-  if (!runs) return session.fail(runs.error());
-  // Before the long computation: is there a reference at all?
-  for (const auto& log : *runs) {
-    if (!log.truth.empty()) continue;
-    Localization none;
-    none.run_ends.resize(runs->size());
-    return session.fail(verify_fixes(*deployment, *runs, none).error());
-  }
-  const auto input = method_input(args.how, *deployment);
-  if (!input) return session.fail(input.error());
-  if (args.all_methods) return compare(*deployment, *runs, *input, session);
-  const auto located = localize_runs(*deployment, *runs, args.how.method, *input);
-  if (!located) return session.fail(located.error());
-  const Localization& found = *located;
-  if (interrupted()) return session.interrupted();
-  warn_outside_validity(*deployment, *runs, found, session);
-  const auto evaluation = verify_fixes(*deployment, *runs, found);
-  if (!evaluation) return session.fail(evaluation.error());
-  if (const std::string doubt = doubt_of_sigmas(*evaluation, deployment->motion); !doubt.empty())
+  if (args.all_methods && !args.report.paths.empty()) fail_usage("--all-methods is a table without a report");
+  check_outputs(with_files(args.runs, {args.deployment, args.trusted_key, args.how.map, args.report.since}),
+                report_outputs(args.report), session);
+  check_report(args.report);
+  const Deployment deployment = need(read_trusted_deployment(args.deployment, args.trusted_key));
+  warn_if_contradicted(deployment, args.deployment, session);
+  warn_if_overdue(deployment, session);
+  const auto runs =
+      read_runs(args.runs, deployment, {.read_truth = true, .read_poses = looks_at_poses(args.how)}, session);
+  check_truth(runs);  // before the long computation
+  const MethodInput input = method_input(args.how, deployment);
+  if (args.all_methods) return compare(deployment, runs, input, session);
+  const Localization found = need(localize_runs(deployment, runs, args.how.method, input));
+  stop_if_interrupted();
+  warn_outside_validity(deployment, runs, found, session);
+  const survey::Evaluation evaluation = verify_fixes(deployment, runs, found);
+  if (const std::string doubt = doubt_of_sigmas(evaluation, deployment.motion); !doubt.empty())
     session.warn(doubt);
 
-  survey::ReportInput report = report_input(*deployment, session);
+  survey::ReportInput report = report_input(deployment, session);
   report.kind = "Verification";
-  add_verification(report, found, *evaluation);
-  if (auto added = add_changes(report, args.report.since); !added) return session.fail(added.error());
+  add_verification(report, found, evaluation);
+  add_changes(report, args.report.since);
   if (!args.report.paths.empty()) survey::add_geometry(report, session.threads());
-  if (auto written = io::write_files(report_files(args.report, report)); !written)
-    return session.fail(written.error());
-  const auto left_out = left_out_by_beacon(*deployment, *runs, found);
-  session.result(evaluation_text(*evaluation, found) + left_out_text(left_out) + due_line(*deployment) +
+  need(io::write_files(report_files(args.report, report)));
+  const auto left_out = left_out_by_beacon(deployment, runs, found);
+  session.result(evaluation_text(evaluation, found) + left_out_text(left_out) + due_line(deployment) +
                  changes_text(report) + report_lines(args.report));
-  Json object = result_head("verification", args.deployment, *deployment, *runs);
-  object.update(evaluation_json(*evaluation));
-  object.update(located_json(*deployment, *runs, found, left_out));
+  Json object = result_head("verification", args.deployment, deployment, runs);
+  object.update(evaluation_json(evaluation));
+  object.update(located_json(deployment, runs, found, left_out));
   add_changes_json(report, object);
-  if (!evaluation->pass())
-    return session.fail({"gate_failed", "gate_failed", kGateFailed, gates_in_words(*evaluation, found), ""},
+  if (!evaluation.pass())
+    return session.fail({"gate_failed", "gate_failed", kGateFailed, gates_in_words(evaluation, found), ""},
                         object);
   return session.finish(object);
 }

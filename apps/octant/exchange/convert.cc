@@ -31,36 +31,33 @@ struct ConvertArgs {
   FiringSchedule schedule;
 };
 
-Result<MeasurementLog> from_counters(const ConvertArgs& args, const NameTable& names) {
-  const auto readings = io::read_counter_log(args.input, names);
-  if (!readings) return fail(readings.error());
+MeasurementLog from_counters(const ConvertArgs& args, const NameTable& names) {
   MeasurementLog log;
-  log.arrivals = arrivals_of_counters(*readings, args.spread_s, args.clock_hz);
+  log.arrivals =
+      arrivals_of_counters(need(io::read_counter_log(args.input, names)), args.spread_s, args.clock_hz);
   log.has_epochs = !log.arrivals.empty() && log.arrivals.front().epoch != kNoEpoch;
   std::ranges::stable_sort(log.arrivals, {}, &Arrival::time_s);
   return log;
 }
 
-Result<MeasurementLog> from_pulses(const ConvertArgs& args, const NameTable& names) {
-  const auto pulses = io::read_pulse_log(args.input);
-  if (!pulses) return fail(pulses.error());
+MeasurementLog from_pulses(const ConvertArgs& args, const NameTable& names) {
   PulseSyncOptions options;
   options.schedule = args.schedule;
   options.schedule.beacons = static_cast<int>(names.beacons.size());
   PulseSync sync(options);
   MeasurementLog log;
   log.has_epochs = true;
-  for (const PulseArrival& pulse : *pulses)
+  for (const PulseArrival& pulse : need(io::read_pulse_log(args.input)))
     for (const Arrival& a : sync.push(pulse))
       if (a.receiver.index() < names.receivers.size()) log.arrivals.push_back(a);
   if (log.arrivals.empty())
-    return fail({.code = Errc::kBadInput,
-                 .file = args.input,
-                 .found = "no double pulse in the stream that could be beacon 0's",
-                 .expected = fmt::format("two pulses of {} s, {} s apart, every {} s", args.schedule.pulse_s,
-                                         args.schedule.double_s, cycle_s(options.schedule)),
-                 .advice = "check --pulse-s, --double-s and --fire-s, and that the site file lists the "
-                           "beacons in the order in which they fire"});
+    fail_with({.code = Errc::kBadInput,
+               .file = args.input,
+               .found = "no double pulse in the stream that could be beacon 0's",
+               .expected = fmt::format("two pulses of {} s, {} s apart, every {} s", args.schedule.pulse_s,
+                                       args.schedule.double_s, cycle_s(options.schedule)),
+               .advice = "check --pulse-s, --double-s and --fire-s, and that the site file lists the "
+                         "beacons in the order in which they fire"});
   std::ranges::stable_sort(log.arrivals, {}, &Arrival::time_s);
   return log;
 }
@@ -77,9 +74,12 @@ std::string ignored_words(std::size_t rows) {
   return rows > 0 ? fmt::format(", {} of ignored beacons", rows) : "";
 }
 
-/// What was recorded into the folder before, and stays there, is read as a part of what is written now.
-void warn_of_the_rest(const std::string& folder, const std::vector<io::FileContent>& files,
-                      Session& session) {
+/// Writes the files of a run into its folder, which is made. What was recorded into it before, and stays
+/// there, is read as a part of what is written now.
+void write_run_files(const std::string& folder, const std::vector<io::FileContent>& files, Session& session) {
+  std::error_code made;
+  std::filesystem::create_directories(folder, made);
+  need(io::write_files(files));
   std::vector<std::string> rest;
   for (const char* name :
        {"tof.csv", "bearings.csv", "scans.csv", "odometry.csv", "odometry.tum", "poses.tum"}) {
@@ -100,42 +100,30 @@ void warn_of_the_rest(const std::string& folder, const std::vector<io::FileConte
 int convert_by_columns(const ConvertArgs& args, const std::optional<io::TableMapping>& own,
                        Session& session) {
   const bool is_file = !own && args.columns.find('=') == std::string::npos;
-  if (auto fit = check_no_overwriting({.inputs = {args.input, is_file ? args.columns : ""},
-                                       .outputs = {args.save_columns},
-                                       .run_outputs = {args.output}});
-      !fit)
-    return session.fail(fit.error());
-  auto mapping = own       ? Result<io::TableMapping>(*own)
-                 : is_file ? io::read_mapping(args.columns)
-                           : io::mapping_from_words(args.columns);
-  if (!mapping) return session.fail(mapping.error());
-  mapping->ignore.insert(mapping->ignore.end(), args.ignore.begin(), args.ignore.end());
-  const auto table = io::convert_table(args.input, *mapping);
-  if (!table) return session.fail(table.error());
-  session.warn(table->warnings);
-  std::error_code made;
-  std::filesystem::create_directories(args.output, made);
-  std::vector<io::FileContent> files = {{args.output + "/tof.csv", table->csv}};
-  if (!args.save_columns.empty()) files.push_back({args.save_columns, io::mapping_to_yaml(*mapping)});
-  if (auto written = io::write_files(files); !written) return session.fail(written.error());
-  warn_of_the_rest(args.output, files, session);
-  session.result(fmt::format("{:<17}{}: {} arrivals{}\n", "run", args.output, table->rows,
-                             ignored_words(table->ignored)));
+  check_no_overwriting({.inputs = {args.input, is_file ? args.columns : ""},
+                        .outputs = {args.save_columns},
+                        .run_outputs = {args.output}});
+  io::TableMapping mapping =
+      own ? *own : need(is_file ? io::read_mapping(args.columns) : io::mapping_from_words(args.columns));
+  mapping.ignore.insert(mapping.ignore.end(), args.ignore.begin(), args.ignore.end());
+  const io::ConvertedTable table = need(io::convert_table(args.input, mapping));
+  session.warn(table.warnings);
+  std::vector<io::FileContent> files = {{args.output + "/tof.csv", table.csv}};
+  if (!args.save_columns.empty()) files.push_back({args.save_columns, io::mapping_to_yaml(mapping)});
+  write_run_files(args.output, files, session);
+  session.result(
+      fmt::format("{:<17}{}: {} arrivals{}\n", "run", args.output, table.rows, ignored_words(table.ignored)));
   return session.finish(
-      {{"format", "table"}, {"run", args.output}, {"arrivals", table->rows}, {"ignored", table->ignored}});
+      {{"format", "table"}, {"run", args.output}, {"arrivals", table.rows}, {"ignored", table.ignored}});
 }
 
 /// What names come with: the log's own, no site file.
-int finish_import(const ConvertArgs& args, io::ImportedLog& log, std::vector<io::FileContent> others,
+int finish_import(const ConvertArgs& args, io::ImportedLog log, const std::vector<io::FileContent>& others,
                   const std::string& format, Session& session) {
-  auto files = io::run_files(log, args.output, args.speed_mps);
-  if (!files) return session.fail(files.error());
+  auto files = need(io::run_files(log, args.output, args.speed_mps));
   session.warn(log.warnings);
-  std::error_code made;
-  std::filesystem::create_directories(args.output, made);
-  for (io::FileContent& other : others) files->push_back(std::move(other));
-  if (auto written = io::write_files(*files); !written) return session.fail(written.error());
-  warn_of_the_rest(args.output, *files, session);
+  files.insert(files.end(), others.begin(), others.end());
+  write_run_files(args.output, files, session);
   const bool distances = !log.arrivals.empty() && log.arrivals.front().is_distance && !args.speed_mps;
   session.result(fmt::format("{:<17}{}: {} arrivals{}, {} odometry rows, {} poses{}\n", "run", args.output,
                              log.arrivals.size(), distances ? " (distance_m)" : "", log.odometry.size(),
@@ -153,33 +141,27 @@ int finish_import(const ConvertArgs& args, io::ImportedLog& log, std::vector<io:
 /// A bag, by --topics or by what its topics look like.
 int convert_bag(const ConvertArgs& args, Session& session) {
   const bool is_file = !args.topics.empty() && args.topics.find('=') == std::string::npos;
-  if (auto fit = check_no_overwriting({.inputs = {args.input, is_file ? args.topics : ""},
-                                       .outputs = {args.save_topics},
-                                       .run_outputs = {args.output}});
-      !fit)
-    return session.fail(fit.error());
-  auto mapping = args.topics.empty() ? io::topics_by_type(args.input)
-                 : is_file           ? io::read_topics(args.topics)
-                                     : io::topics_from_words(args.topics);
-  if (!mapping) return session.fail(mapping.error());
-  mapping->ignore.insert(mapping->ignore.end(), args.ignore.begin(), args.ignore.end());
-  auto log = io::read_bag_log(args.input, *mapping);
-  if (!log) return session.fail(log.error());
+  check_no_overwriting({.inputs = {args.input, is_file ? args.topics : ""},
+                        .outputs = {args.save_topics},
+                        .run_outputs = {args.output}});
+  io::TopicMapping mapping = need(args.topics.empty() ? io::topics_by_type(args.input)
+                                  : is_file           ? io::read_topics(args.topics)
+                                                      : io::topics_from_words(args.topics));
+  mapping.ignore.insert(mapping.ignore.end(), args.ignore.begin(), args.ignore.end());
+  io::ImportedLog log = need(io::read_bag_log(args.input, mapping));
   std::vector<io::FileContent> others;
-  if (!args.save_topics.empty()) others.push_back({args.save_topics, io::topics_to_yaml(*mapping)});
-  return finish_import(args, *log, std::move(others), "bag", session);
+  if (!args.save_topics.empty()) others.push_back({args.save_topics, io::topics_to_yaml(mapping)});
+  return finish_import(args, std::move(log), others, "bag", session);
 }
 
 /// The log of a maker's kit.
 int convert_vendor(const ConvertArgs& args, const std::string& format, Session& session) {
-  if (auto fit = check_no_overwriting({.inputs = {args.input}, .run_outputs = {args.output}}); !fit)
-    return session.fail(fit.error());
+  check_no_overwriting({.inputs = {args.input}, .run_outputs = {args.output}});
   const io::VendorLogOptions options{.ignore = args.ignore, .period_s = args.period_s};
   auto log = format == "marvelmind"  ? io::read_marvelmind_log(args.input, options)
              : format == "crazyflie" ? io::read_crazyflie_log(args.input, options)
                                      : io::read_dwm1001_log(args.input, options);
-  if (!log) return session.fail(log.error());
-  return finish_import(args, *log, {}, format, session);
+  return finish_import(args, need(std::move(log)), {}, format, session);
 }
 
 int run(const ConvertArgs& args, Session& session) {
@@ -191,38 +173,33 @@ int run(const ConvertArgs& args, Session& session) {
   if (format == "marvelmind" || format == "crazyflie" || format == "dwm1001")
     return convert_vendor(args, format, session);
   if (format != "carmen" && args.site.empty())
-    return session.fail_usage(fmt::format("--format {} needs --site", format),
-                              "the site file names beacons and receivers");
-  if (auto fit = check_no_overwriting({.inputs = {args.input, args.site}, .run_outputs = {args.output}});
-      !fit)
-    return session.fail(fit.error());
+    fail_usage(fmt::format("--format {} needs --site", format), "the site file names beacons and receivers");
+  check_no_overwriting({.inputs = {args.input, args.site}, .run_outputs = {args.output}});
   NameTable names;
   names.vehicles = {"robot"};
   if (!args.site.empty()) {
-    const auto site = io::read_site(args.site);
-    if (!site) return session.fail(site.error());
-    session.warn(site->warnings);
-    names = names_of(*site);
+    const Site site = need(io::read_site(args.site));
+    session.warn(site.warnings);
+    names = names_of(site);
     if (format == "pulses" && (names.beacons.size() < 3 || names.beacons.size() > 16))
-      return session.fail(Error{.code = Errc::kBadInput,
-                                .file = args.site,
-                                .found = fmt::format("{} beacons", names.beacons.size()),
-                                .expected = "3 to 16, in the order in which they fire"});
+      fail_with({.code = Errc::kBadInput,
+                 .file = args.site,
+                 .found = fmt::format("{} beacons", names.beacons.size()),
+                 .expected = "3 to 16, in the order in which they fire"});
   }
-  auto log = format == "carmen"     ? io::read_carmen_log(args.input)
-             : format == "counters" ? from_counters(args, names)
-                                    : from_pulses(args, names);
-  if (!log) return session.fail(log.error());
-  session.warn(log->warnings);
-  log->vehicle = VehicleId(0);
-  if (auto written = io::write_run(args.output, *log, names); !written) return session.fail(written.error());
+  MeasurementLog log = format == "carmen"     ? need(io::read_carmen_log(args.input))
+                       : format == "counters" ? from_counters(args, names)
+                                              : from_pulses(args, names);
+  session.warn(log.warnings);
+  log.vehicle = VehicleId(0);
+  need(io::write_run(args.output, log, names));
   session.result(fmt::format("{:<17}{}: {} arrivals, {} scans, {} odometry rows\n", "run", args.output,
-                             log->arrivals.size(), log->scans.size(), log->odometry.size()));
+                             log.arrivals.size(), log.scans.size(), log.odometry.size()));
   return session.finish({{"format", format},
                          {"run", args.output},
-                         {"arrivals", log->arrivals.size()},
-                         {"scans", log->scans.size()},
-                         {"odometry", log->odometry.size()}});
+                         {"arrivals", log.arrivals.size()},
+                         {"scans", log.scans.size()},
+                         {"odometry", log.odometry.size()}});
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "apps/octant/commands.h"
 #include "apps/octant/outputs.h"
+#include "apps/octant/steps/steps.h"
 #include "io/deployment/deployment_json.h"
 #include "io/export/exported.h"
 #include "io/run/run_folder.h"
@@ -43,42 +44,34 @@ InputKind kind_of_input(const std::string& path) {
   return path.ends_with(".yaml") || path.ends_with(".yml") ? InputKind::kSite : InputKind::kFixes;
 }
 
-Result<void> add_deployment(const std::string& path, io::ExportedContent& content,
-                            std::optional<RunContext>& context) {
-  const auto deployment = io::read_deployment(path);
-  if (!deployment) return fail(deployment.error());
-  content.site = deployment->site;
-  for (const DeploymentBeacon& b : deployment->beacons)
+void add_deployment(const std::string& path, io::ExportedContent& content,
+                    std::optional<RunContext>& context) {
+  const Deployment deployment = need(io::read_deployment(path));
+  content.site = deployment.site;
+  for (const DeploymentBeacon& b : deployment.beacons)
     if (b.status != BeaconStatus::kUndetermined)
       content.beacons.push_back(
           {b.name, b.position_m, std::sqrt(std::max({b.covariance_m2(0, 0), b.covariance_m2(1, 1), 0.0}))});
-  context =
-      RunContext{names_of(*deployment), deployment->timing,
-                 deployment->medium.model == MediumModel::kConstant ? deployment->medium.speed_mps : 0.0};
-  return {};
+  context = RunContext{names_of(deployment), deployment.timing, constant_speed_mps(deployment.medium)};
 }
 
-Result<void> add_site(const std::string& path, io::ExportedContent& content,
-                      std::optional<RunContext>& context, Session& session) {
-  const auto site = io::read_site(path);
-  if (!site) return fail(site.error());
-  session.warn(site->warnings);
-  content.site = site->name;
-  for (const SiteBeacon& b : site->beacons)
+void add_site(const std::string& path, io::ExportedContent& content, std::optional<RunContext>& context,
+              Session& session) {
+  const Site site = need(io::read_site(path));
+  session.warn(site.warnings);
+  content.site = site.name;
+  for (const SiteBeacon& b : site.beacons)
     if (b.position_m[0] && b.position_m[1] && b.position_m[2])
       content.beacons.push_back({b.name, {*b.position_m[0], *b.position_m[1], *b.position_m[2]}, 0.0});
-  context = RunContext{names_of(*site), site->timing,
-                       site->medium.model == MediumModel::kConstant ? site->medium.speed_mps : 0.0};
-  return {};
+  context = RunContext{names_of(site), site.timing, constant_speed_mps(site.medium)};
 }
 
 /// Names from the run itself, where neither site nor deployment tells them.
-Result<RunContext> context_of_run(const std::string& folder) {
-  const auto ids = io::read_run_ids(folder);
-  if (!ids) return fail(ids.error());
+RunContext context_of_run(const std::string& folder) {
+  const io::RunIds ids = need(io::read_run_ids(folder));
   RunContext context;
-  context.names.beacons = ids->beacons;
-  for (const auto& vehicle : ids->vehicles) {
+  context.names.beacons = ids.beacons;
+  for (const auto& vehicle : ids.vehicles) {
     const VehicleId id(context.names.vehicles.size());
     context.names.vehicles.push_back(vehicle.name);
     for (const std::string& receiver : vehicle.receivers) context.names.receivers.push_back({receiver, id});
@@ -87,22 +80,20 @@ Result<RunContext> context_of_run(const std::string& folder) {
   return context;
 }
 
-Result<void> add_run(const std::string& folder, const std::optional<RunContext>& known,
-                     io::ExportedContent& content, Session& session) {
-  const auto context = known ? Result<RunContext>(*known) : context_of_run(folder);
-  if (!context) return fail(context.error());
-  auto log = io::read_run(folder, context->names, context->timing,
-                          {.read_truth = true, .constant_speed_mps = context->constant_speed_mps});
-  if (!log) return fail(log.error());
-  session.warn(log->warnings);
-  if (!log->bearings.empty() || !log->scans.empty())
+void add_run(const std::string& folder, const std::optional<RunContext>& known, io::ExportedContent& content,
+             Session& session) {
+  const RunContext context = known ? *known : context_of_run(folder);
+  MeasurementLog log =
+      need(io::read_run(folder, context.names, context.timing,
+                        {.read_truth = true, .constant_speed_mps = context.constant_speed_mps}));
+  session.warn(log.warnings);
+  if (!log.bearings.empty() || !log.scans.empty())
     session.warn(folder + ": bearings and scans are not exported");
-  content.runs.push_back({std::move(*log), context->names});
-  return {};
+  content.runs.push_back({std::move(log), context.names});
 }
 
 /// All fixes and references as one trajectory.
-Result<std::string> to_tum(const io::ExportedContent& content) {
+std::string to_tum(const io::ExportedContent& content) {
   std::vector<TimedPose> poses;
   for (const auto& track : content.tracks)
     for (const Fix& fix : track.fixes)
@@ -118,50 +109,37 @@ Result<std::string> to_tum(const io::ExportedContent& content) {
                           [](const TimedPose& a, const TimedPose& b) { return a.time_s == b.time_s; }),
               poses.end());
   if (!poses.empty()) return io::poses_to_tum(poses);
-  return fail({.code = Errc::kUsage,
-               .found = "no fix and no pose to make a trajectory of",
-               .expected = "fixes (.csv, .tum) or a run with poses or truth"});
+  fail_with({.code = Errc::kUsage,
+             .found = "no fix and no pose to make a trajectory of",
+             .expected = "fixes (.csv, .tum) or a run with poses or truth"});
 }
 
 int run(const ExportArgs& args, Session& session) {
-  if (auto fit = check_no_overwriting({.inputs = args.inputs, .outputs = {args.output}}); !fit)
-    return session.fail(fit.error());
+  check_no_overwriting({.inputs = args.inputs, .outputs = {args.output}});
   const bool mcap = args.output.ends_with(".mcap"), geojson = args.output.ends_with(".geojson"),
              tum = args.output.ends_with(".tum");
   if (!mcap && !geojson && !tum)
-    return session.fail(Error{.code = Errc::kUsage,
-                              .found = "-o " + args.output,
-                              .expected = "a name in .mcap, .geojson or .tum, which says what to write"});
-  std::optional<io::EarthOrigin> origin;
-  if (geojson) {
-    const auto read = io::origin_from_words(args.origin, args.north_deg);
-    if (!read) return session.fail(read.error());
-    origin = *read;
-  }
+    fail_with({.code = Errc::kUsage,
+               .found = "-o " + args.output,
+               .expected = "a name in .mcap, .geojson or .tum, which says what to write"});
+  io::EarthOrigin origin;
+  if (geojson) origin = need(io::origin_from_words(args.origin, args.north_deg));
   io::ExportedContent content;
   std::optional<RunContext> context;
   for (const std::string& path : args.inputs) {
     const InputKind kind = kind_of_input(path);
-    if (kind != InputKind::kDeployment && kind != InputKind::kSite) continue;
-    const auto added = kind == InputKind::kSite ? add_site(path, content, context, session)
-                                                : add_deployment(path, content, context);
-    if (!added) return session.fail(added.error());
+    if (kind == InputKind::kSite) add_site(path, content, context, session);
+    if (kind == InputKind::kDeployment) add_deployment(path, content, context);
   }
   for (const std::string& path : args.inputs) {
     const InputKind kind = kind_of_input(path);
-    if (kind == InputKind::kRun) {
-      if (auto added = add_run(path, context, content, session); !added) return session.fail(added.error());
-    } else if (kind == InputKind::kFixes) {
-      auto fixes = io::read_fixes(path);
-      if (!fixes) return session.fail(fixes.error());
-      content.tracks.push_back(std::move(*fixes));
-    }
+    if (kind == InputKind::kRun) add_run(path, context, content, session);
+    if (kind == InputKind::kFixes) content.tracks.push_back(need(io::read_fixes(path)));
   }
-  const auto text = mcap      ? io::to_mcap(content)
-                    : geojson ? Result<std::string>(io::to_geojson(content, *origin))
-                              : to_tum(content);
-  if (!text) return session.fail(text.error());
-  if (auto written = io::write_file(args.output, *text); !written) return session.fail(written.error());
+  const std::string text = mcap      ? need(io::to_mcap(content))
+                           : geojson ? io::to_geojson(content, origin)
+                                     : to_tum(content);
+  need(io::write_file(args.output, text));
   std::size_t arrivals = 0, fixes = 0;
   for (const auto& run : content.runs) arrivals += run.log.arrivals.size();
   for (const auto& track : content.tracks) fixes += track.fixes.size();
@@ -171,7 +149,7 @@ int run(const ExportArgs& args, Session& session) {
                          {"beacons", content.beacons.size()},
                          {"arrivals", arrivals},
                          {"fixes", fixes},
-                         {"bytes", text->size()}});
+                         {"bytes", text.size()}});
 }
 
 }  // namespace

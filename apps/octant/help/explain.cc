@@ -35,9 +35,8 @@ int explain(const ExplainArgs& args, Session& session) {
   if (term == nullptr) {
     std::vector<std::string> known;
     for (const GlossaryTerm& t : glossary()) known.emplace_back(t.name);
-    return session.fail_usage(
-        fmt::format("'{}' is not among the words{}", wanted, did_you_mean(wanted, known)),
-        "octant explain lists them all");
+    fail_usage(fmt::format("'{}' is not among the words{}", wanted, did_you_mean(wanted, known)),
+               "octant explain lists them all");
   }
   const std::string name = (term->kind == GlossaryKind::kExit ? "exit " : "") + std::string(term->name);
   session.result(paragraph(fmt::format("{}: {}", name, term->text)));

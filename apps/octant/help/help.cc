@@ -167,9 +167,9 @@ void add_help(CLI::App& app, CommonOptions& common, Action& action) {
       }
       const CLI::App* asked = command_of(app, args->command);
       if (asked == nullptr)
-        return session.fail_usage(fmt::format("unknown command '{}'{}", args->command.front(),
-                                              did_you_mean(args->command.front(), command_names(app))),
-                                  "octant help lists them all");
+        fail_usage(fmt::format("unknown command '{}'{}", args->command.front(),
+                               did_you_mean(args->command.front(), command_names(app))),
+                   "octant help lists them all");
       const std::string text = help_of(*asked);
       session.result(text);
       return session.finish({{"help", text}});

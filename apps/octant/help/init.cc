@@ -21,25 +21,20 @@ struct InitArgs {
 
 int init(const InitArgs& args, Session& session) {
   if (args.output == "-" && session.options.json)
-    return session.fail_usage("only one of -o - and --json can have standard output",
-                              "name a file by -o SITE.yaml");
-  if (auto fit = check_no_overwriting({.inputs = {args.run}, .outputs = {args.output}}); !fit)
-    return session.fail(fit.error());
+    fail_usage("only one of -o - and --json can have standard output", "name a file by -o SITE.yaml");
+  check_no_overwriting({.inputs = {args.run}, .outputs = {args.output}});
   // It is to be filled in by hand, and so worth more than a template.
   if (args.output != "-" && std::filesystem::exists(args.output))
-    return session.fail_usage(fmt::format("'{}' is there already", args.output),
-                              "name another file, or remove it first");
+    fail_usage(fmt::format("'{}' is there already", args.output), "name another file, or remove it first");
   io::RunIds ids{.beacons = {"B0", "B1", "B2", "B3"}, .vehicles = {{"robot", {"r0"}}}};
   if (!args.run.empty()) {
-    auto found = io::read_run_ids(args.run);
-    if (!found) return session.fail(found.error());
-    ids = std::move(*found);
+    ids = need(io::read_run_ids(args.run));
     session.warn(ids.warnings);
   }
   const std::string text = site_template(args.kind, args.name, ids);
   if (args.output == "-") return session.finish_document(text);
-  if (auto fit = check_output(args.output); !fit) return session.fail(fit.error());
-  if (auto written = io::write_file(args.output, text); !written) return session.fail(written.error());
+  check_output(args.output);
+  need(io::write_file(args.output, text));
   session.result(fmt::format(
       "{:<17}{}\n{:<17}{} beacons, {} vehicle{}\n{:<17}fill in what is marked <--, then: octant check {} "
       "{}\n",

@@ -84,14 +84,9 @@ class FollowLoop {
         options_(options),
         session_(session) {}
 
-  Result<void> start() {
-    if (!args_.origin.empty() || args_.format == "nmea") {
-      if (auto known = read_origin(); !known) return known;
-    }
-    auto engine = load();
-    if (!engine) return fail(engine.error());
-    engine_ = std::move(*engine);
-    return {};
+  void start() {
+    if (!args_.origin.empty() || args_.format == "nmea") read_origin();
+    engine_ = need(load());
   }
 
   Result<void> run(ByteSource& source) {
@@ -265,15 +260,11 @@ class FollowLoop {
     return true;
   }
 
-  Result<void> read_origin() {
+  void read_origin() {
     auto origin = io::origin_from_words(args_.origin, args_.north_deg);
-    if (!origin) {
-      Error error = origin.error();
-      if (args_.origin.empty()) error.found = "NMEA positions need to know where the map is on the earth";
-      return fail(std::move(error));
-    }
-    origin_ = *origin;
-    return {};
+    if (!origin && args_.origin.empty())
+      origin.error().found = "NMEA positions need to know where the map is on the earth";
+    origin_ = need(origin);
   }
 
   static constexpr std::size_t kMostWaiting = 1 << 16, kFirstArrivals = 300;
@@ -333,15 +324,12 @@ int follow(const FollowArgs& args, const std::string& deployment, const std::str
   options.watch = args.watch;
   if (!args.odometry.empty()) {
     std::vector<std::string> warnings;
-    const auto accuracy = io::read_odometry_accuracy(args.odometry, warnings);
-    if (!accuracy) return session.fail(accuracy.error());
+    options.odometry = need(io::read_odometry_accuracy(args.odometry, warnings));
     session.warn(warnings);
-    options.odometry = *accuracy;
   }
   FollowLoop loop(args, deployment, trusted_key, options, session);
-  if (auto started = loop.start(); !started) return session.fail(started.error());
-  auto source = ByteSource::open(args.from);
-  if (!source) return session.fail(source.error());
+  loop.start();
+  ByteSource source = need(ByteSource::open(args.from));
   struct sigaction hangup = {}, pipe = {};
   hangup.sa_handler = on_hangup;
   pipe.sa_handler = SIG_IGN;  // a reader that is gone is told by write
@@ -349,12 +337,12 @@ int follow(const FollowArgs& args, const std::string& deployment, const std::str
   sigemptyset(&pipe.sa_mask);
   sigaction(SIGHUP, &hangup, nullptr);
   sigaction(SIGPIPE, &pipe, nullptr);
-  if (!source->listens().empty()) session.note(source->listens());
+  if (!source.listens().empty()) session.note(source.listens());
   if (const std::string why = why_no_level(method); !why.empty())
     session.note(fmt::format("fixes of {} have no protection level: {}", to_string(method), why));
-  const auto done = loop.run(*source);
+  const auto done = loop.run(source);
   if (!session.options.quiet) session.result(loop.summary());
-  if (!done) return session.fail(done.error());
+  need(done);
   return kDone;
 }
 

@@ -48,27 +48,20 @@ std::vector<OutputOption> report_outputs(const ReportArgs& args, std::vector<Out
   return outputs;
 }
 
-Result<void> check_report(const ReportArgs& args) {
+void check_report(const ReportArgs& args) {
   for (const auto& path : args.paths) {
-    if (form_of(path) == Form::kUnknown) {
-      return fail({.code = Errc::kUsage,
-                   .found = fmt::format("--report {}", path),
-                   .expected = "a name that ends in .html, .md or .json"});
-    }
-    if (auto fit = check_output(path); !fit) return fit;
+    if (form_of(path) == Form::kUnknown)
+      fail_with({.code = Errc::kUsage,
+                 .found = fmt::format("--report {}", path),
+                 .expected = "a name that ends in .html, .md or .json"});
+    check_output(path);
   }
-  if (args.since.empty()) return {};
-  const auto earlier = io::read_deployment(args.since);
-  if (!earlier) return fail(earlier.error());
-  return {};
+  if (!args.since.empty()) need(io::read_deployment(args.since));
 }
 
-Result<void> add_changes(survey::ReportInput& input, const std::string& since) {
-  if (since.empty()) return {};
-  const auto earlier = io::read_deployment(since);
-  if (!earlier) return fail(earlier.error());
-  input.changes = survey::changes_between(*earlier, input.plan.deployment);
-  return {};
+void add_changes(survey::ReportInput& input, const std::string& since) {
+  if (!since.empty())
+    input.changes = survey::changes_between(need(io::read_deployment(since)), input.plan.deployment);
 }
 
 void add_verification(survey::ReportInput& input, const Localization& localization,
@@ -101,26 +94,22 @@ std::vector<io::FileContent> report_files(const ReportArgs& args, const survey::
   return files;
 }
 
-Result<survey::ReportInput> calibration_report(const Calibration& calibration, const ReportArgs& args,
-                                               const Session& session) {
+survey::ReportInput calibration_report(const Calibration& calibration, const ReportArgs& args,
+                                       const Session& session) {
   survey::ReportInput input = report_input(calibration, session);
   if (!args.paths.empty()) add_stops(calibration, input);
   if (!calibration.deployment) return input;
-  if (auto added = add_changes(input, args.since); !added) return fail(added.error());
-  if (args.paths.empty()) return input;
-  survey::add_geometry(input, session.threads());
+  add_changes(input, args.since);
+  if (!args.paths.empty()) survey::add_geometry(input, session.threads());
   return input;
 }
 
-Result<void> write_calibration(const std::string& output, const ReportArgs& args,
-                               const Calibration& calibration, const survey::ReportInput& input) {
+void write_calibration(const std::string& output, const ReportArgs& args, const Calibration& calibration,
+                       const survey::ReportInput& input) {
   auto files = report_files(args, input);
-  if (calibration.exported()) {
-    auto deployment = io::checked_deployment_json(output, *calibration.deployment);
-    if (!deployment) return fail(deployment.error());
-    files.push_back({output, std::move(*deployment)});
-  }
-  return io::write_files(files);
+  if (calibration.exported())
+    files.push_back({output, need(io::checked_deployment_json(output, *calibration.deployment))});
+  need(io::write_files(files));
 }
 
 std::string report_lines(const ReportArgs& args) {

@@ -32,7 +32,7 @@ void add_report_options(CLI::App& command, ReportArgs& args, bool with_since);
                                                        std::vector<OutputOption> first = {});
 /// Before the long computation: endings that are understood, folders that exist, an earlier deployment that
 /// can be read.
-[[nodiscard]] Result<void> check_report(const ReportArgs& args);
+void check_report(const ReportArgs& args);
 
 /// What a calibration says, converged or refused.
 [[nodiscard]] survey::ReportInput report_input(const Calibration& calibration, const Session& session);
@@ -42,16 +42,14 @@ void add_report_options(CLI::App& command, ReportArgs& args, bool with_since);
 void add_verification(survey::ReportInput& input, const Localization& localization,
                       const survey::Evaluation& evaluation);
 /// Adds the changes since an earlier deployment, if one is given.
-[[nodiscard]] Result<void> add_changes(survey::ReportInput& input, const std::string& since);
+void add_changes(survey::ReportInput& input, const std::string& since);
 
-/// The report of a calibration with all that the user asked for; of a refused one too. Errors: the earlier
-/// deployment.
-[[nodiscard]] Result<survey::ReportInput> calibration_report(const Calibration& calibration,
-                                                             const ReportArgs& args, const Session& session);
+/// The report of a calibration with all that the user asked for; of a refused one too.
+[[nodiscard]] survey::ReportInput calibration_report(const Calibration& calibration, const ReportArgs& args,
+                                                     const Session& session);
 /// Deployment (where there is one) and reports, all or none.
-[[nodiscard]] Result<void> write_calibration(const std::string& output, const ReportArgs& args,
-                                             const Calibration& calibration,
-                                             const survey::ReportInput& input);
+void write_calibration(const std::string& output, const ReportArgs& args, const Calibration& calibration,
+                       const survey::ReportInput& input);
 
 /// The files of a report, not yet written: so that a command can write them together with its other outputs.
 [[nodiscard]] std::vector<io::FileContent> report_files(const ReportArgs& args,

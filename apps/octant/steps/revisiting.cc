@@ -103,27 +103,22 @@ Drift drift_between(const std::string& before, const std::string& now, const Dri
   return drift;
 }
 
-Result<SecondVisitFiles> revisit_files(const std::string& path, const std::vector<std::string>& run_paths,
-                                       const DriftArgs& drift, Session& session) {
+SecondVisitFiles revisit_files(const std::string& path, const std::vector<std::string>& run_paths,
+                               const DriftArgs& drift, Session& session) {
   const ExitAtOnce nothing_written_yet;
-  auto before = io::read_deployment(path);
-  if (!before) return fail(before.error());
-  warn_if_contradicted(*before, path, session);
-  auto runs = read_runs(run_paths, *before, {}, session);
-  if (!runs) return fail(runs.error());
   SecondVisitFiles out;
-  out.inputs.push_back({path, before->digest});
-  for (const MeasurementLog& run : *runs)
+  out.before = need(io::read_deployment(path));
+  warn_if_contradicted(out.before, path, session);
+  std::vector<MeasurementLog> runs = read_runs(run_paths, out.before, {}, session);
+  out.inputs.push_back({path, out.before.digest});
+  for (const MeasurementLog& run : runs)
     for (const auto& [file, sha256] : run.sha256) out.inputs.push_back({file, sha256});
-  out.head = result_head("monitoring", path, *before, *runs);
+  out.head = result_head("monitoring", path, out.before, runs);
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
   calib::RevisitOptions options;
-  options.drift = drift_between(before->created, created_now(), drift);
+  options.drift = drift_between(out.before.created, created_now(), drift);
   options.solve = solve_options(session, reporter);
-  auto found = calib::revisit(*before, std::move(*runs), options);
-  if (!found) return fail(found.error());
-  out.revisit = std::move(*found);
-  out.before = std::move(*before);
+  out.revisit = need(calib::revisit(out.before, std::move(runs), options));
   session.warn(out.revisit.warnings);
   if (!out.revisit.silent.empty())
     session.warn(
@@ -131,6 +126,7 @@ Result<SecondVisitFiles> revisit_files(const std::string& path, const std::vecto
                     "switched off, covered, or "
                     "taken away? What the calibration has of it is carried over",
                     fmt::join(out.revisit.silent, ", ")));
+  stop_if_interrupted(out.revisit.status == calib::SolveStatus::kInterrupted);
   return out;
 }
 

@@ -11,7 +11,6 @@
 #include "apps/octant/session.h"
 #include "calib/revisit/revisit.h"
 #include "models/deployment.h"
-#include "models/support/result.h"
 
 // What recalibrate and monitor share: both ask a second visit what changed.
 namespace octant::app {
@@ -32,11 +31,11 @@ struct SecondVisitFiles {
   Json head;  ///< what `octant history` wants to know of the result
   calib::Revisit revisit;
 };
-/// Reads both and asks; progress and warnings go to the session. Errors of reading; numerical trouble is in
+/// Reads both and asks; progress and warnings go to the session. Failures of reading; numerical trouble is in
 /// the revisit.
-[[nodiscard]] Result<SecondVisitFiles> revisit_files(const std::string& deployment,
-                                                     const std::vector<std::string>& runs,
-                                                     const DriftArgs& drift, Session& session);
+[[nodiscard]] SecondVisitFiles revisit_files(const std::string& deployment,
+                                             const std::vector<std::string>& runs, const DriftArgs& drift,
+                                             Session& session);
 /// Why nothing can be said of it; none where something can.
 [[nodiscard]] std::optional<Failure> failure_of(const calib::Revisit& revisit);
 

@@ -74,20 +74,19 @@ auto with_progress(bool strict, Session& session, Solve&& solve) {
 }
 
 /// Recordings that are to be streamed; none where they fit into memory or cannot be, which is said.
-Result<std::unique_ptr<StreamSource>> too_long(const Site& site, const std::vector<std::string>& runs,
-                                               std::size_t memory_mb, Session& session) {
+std::unique_ptr<StreamSource> too_long(const Site& site, const std::vector<std::string>& runs,
+                                       std::size_t memory_mb, Session& session) {
   constexpr std::size_t kMega = std::size_t{1} << 20;
   if (fits_for_sure(runs, memory_mb * kMega)) return nullptr;
   const ExitAtOnce nothing_written_yet;
   auto source =
-      StreamSource::open(runs, names_of(site), site.timing, session, constant_speed_mps(site.medium));
-  if (!source) return fail(source.error());
-  const std::size_t rows = (*source)->rows_estimate(), steps = (*source)->odometry_rows(),
+      need(StreamSource::open(runs, names_of(site), site.timing, session, constant_speed_mps(site.medium)));
+  const std::size_t rows = source->rows_estimate(), steps = source->odometry_rows(),
                     needed_mb = calib::memory_of_held(rows, steps) / kMega;
   if (needed_mb <= memory_mb) return nullptr;
   const std::string much = fmt::format(
       "these recordings would take about {} MB of memory, more than --memory-mb {}", needed_mb, memory_mb);
-  if (const auto why = calib::why_not_streamed(site, (*source)->logs())) {
+  if (const auto why = calib::why_not_streamed(site, source->logs())) {
     session.warn(fmt::format("{}, and cannot be streamed: {}", much, *why));
     return nullptr;
   }
@@ -104,19 +103,15 @@ void warn_of_hints(const std::vector<calib::Finding>& findings, Session& session
 }
 
 /// All of the recordings at once.
-Result<void> read_problem(Site site, const std::vector<std::string>& run_paths,
-                          const std::string& site_sha256, Session& session, Calibration& result) {
+void read_problem(Site site, const std::vector<std::string>& run_paths, const std::string& site_sha256,
+                  Session& session, Calibration& result) {
   const ExitAtOnce nothing_written_yet;
-  auto runs = read_runs(run_paths, site, {}, session);
-  if (!runs) return fail(runs.error());
+  std::vector<MeasurementLog> runs = read_runs(run_paths, site, {}, session);
   std::vector<const MeasurementLog*> logs;
-  for (const MeasurementLog& run : *runs) logs.push_back(&run);
+  for (const MeasurementLog& run : runs) logs.push_back(&run);
   result.provenance = provenance(site.path, site_sha256, logs, session);
-  warn_of_hints(calib::log_hints(site, *runs), session);
-  auto problem = calib::make_problem(std::move(site), std::move(*runs), session.threads());
-  if (!problem) return fail(problem.error());
-  result.problem = std::move(*problem);
-  return {};
+  warn_of_hints(calib::log_hints(site, runs), session);
+  result.problem = need(calib::make_problem(std::move(site), std::move(runs), session.threads()));
 }
 
 std::string beacon_table(const Deployment& deployment) {
@@ -178,29 +173,22 @@ Json weak_json(const std::vector<calib::WeakDirection>& weak) {
   return list;
 }
 
-Result<Calibration> calibrate_files(const std::string& site_path, const std::vector<std::string>& run_paths,
-                                    const CalibrateOptions& how, Session& session) {
+Calibration calibrate_files(const std::string& site_path, const std::vector<std::string>& run_paths,
+                            const CalibrateOptions& how, Session& session) {
   Calibration result;
   result.accepted = how.accept;
-  auto site = io::read_site(site_path);
-  if (!site) return fail(site.error());
-  const auto bytes = io::read_document(site_path);
-  if (!bytes) return fail(bytes.error());
-  const std::string sha256 = io::sha256_hex(*bytes);
-  session.warn(site->warnings);
-  auto source = too_long(*site, run_paths, how.memory_mb, session);
-  if (!source) return fail(source.error());
-  if (*source != nullptr) {
-    auto streamed = with_progress(how.strict, session, [&](const calib::SolveOptions& options) {
-      return calib::solve_streamed(*site, **source, options, how.memory_mb << 20U);
-    });
-    if (!streamed) return fail(streamed.error());
-    result.provenance = provenance(site_path, sha256, (*source)->logs(), session);
-    result.problem = std::move(streamed->problem);
-    result.solution = std::move(streamed->solution);
+  Site site = need(io::read_site(site_path));
+  const std::string sha256 = io::sha256_hex(need(io::read_document(site_path)));
+  session.warn(site.warnings);
+  if (const auto source = too_long(site, run_paths, how.memory_mb, session)) {
+    auto streamed = need(with_progress(how.strict, session, [&](const calib::SolveOptions& options) {
+      return calib::solve_streamed(site, *source, options, how.memory_mb << 20U);
+    }));
+    result.provenance = provenance(site_path, sha256, source->logs(), session);
+    result.problem = std::move(streamed.problem);
+    result.solution = std::move(streamed.solution);
   } else {
-    if (auto ok = read_problem(std::move(*site), run_paths, sha256, session, result); !ok)
-      return fail(ok.error());
+    read_problem(std::move(site), run_paths, sha256, session, result);
     session.warn(result.problem.warnings);
     result.solution = with_progress(how.strict, session, [&](const calib::SolveOptions& options) {
       calib::Solution solution = calib::solve_in_place(result.problem, options);
@@ -211,9 +199,9 @@ Result<Calibration> calibrate_files(const std::string& site_path, const std::vec
       warn_of_hints(calib::outcome_hints(result.problem, result.solution), session);
   }
   session.warn(result.solution.warnings);
-  if (result.solution.status == calib::SolveStatus::kConverged) {
+  stop_if_interrupted(result.solution.status == calib::SolveStatus::kInterrupted);
+  if (result.solution.status == calib::SolveStatus::kConverged)
     result.deployment = calib::make_deployment(result.problem, result.solution, result.provenance);
-  }
   return result;
 }
 

@@ -24,21 +24,18 @@ void warn_of_repeated_runs(const std::vector<std::string>& folders, Session& ses
     }
 }
 
-Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders, const NameTable& names,
-                                              const Timing& timing, io::ReadRunOptions options,
-                                              Session& session) {
+std::vector<MeasurementLog> read_runs(const std::vector<std::string>& folders, const NameTable& names,
+                                      const Timing& timing, io::ReadRunOptions options, Session& session) {
   const ExitAtOnce nothing_written_yet;
   options.threads = session.threads();
   warn_of_repeated_runs(folders, session);
   std::vector<MeasurementLog> runs;
   for (const auto& folder : folders) {
-    auto run = io::read_run(folder, names, timing, options);
-    if (!run) return fail(run.error());
-    session.warn(run->warnings);
+    const MeasurementLog& run = runs.emplace_back(need(io::read_run(folder, names, timing, options)));
+    session.warn(run.warnings);
     session.detail(fmt::format("{}: {} arrivals, {} rows that are none, {} odometry rows, {} measured poses",
-                               folder, run->arrivals.size(), run->rejected.size(), run->odometry.size(),
-                               run->poses.size()));
-    runs.push_back(std::move(*run));
+                               folder, run.arrivals.size(), run.rejected.size(), run.odometry.size(),
+                               run.poses.size()));
   }
   return runs;
 }
@@ -136,33 +133,31 @@ Json integrity_json(const Localization& localization) {
   return object;
 }
 
-Result<MethodInput> method_input(const MethodArgs& args, const Deployment& deployment) {
+MethodInput method_input(const MethodArgs& args, const Deployment& deployment) {
   MethodInput input;
   input.kleeman_heading = args.heading;
   if (args.map.empty()) return input;
-  const auto mapped = io::read_run(args.map, names_of(deployment), deployment.timing,
-                                   {.read_truth = false, .read_poses = true});
-  if (!mapped) return fail(mapped.error());
-  auto map = build_line_map(*mapped);
-  if (!map) return fail(map.error());
-  input.line_map = std::move(*map);
+  input.line_map =
+      need(build_line_map(need(io::read_run(args.map, names_of(deployment), deployment.timing))));
   return input;
 }
 
-Result<survey::Evaluation> verify_fixes(const Deployment& deployment, const std::vector<MeasurementLog>& runs,
-                                        const Localization& localization) {
+void check_truth(const std::vector<MeasurementLog>& runs) {
+  for (const MeasurementLog& run : runs)
+    if (run.truth.empty())
+      fail_with({.code = Errc::kBadInput,
+                 .file = run.path + "/truth.tum",
+                 .found = "there is no reference trajectory",
+                 .expected = "a file truth.tum with at least one pose, or truth.csv with at least one point",
+                 .advice = "verify needs a run whose true poses are known; whether the calibration still "
+                           "holds, octant monitor tells without them"});
+}
+
+survey::Evaluation verify_fixes(const Deployment& deployment, const std::vector<MeasurementLog>& runs,
+                                const Localization& localization) {
+  check_truth(runs);
   std::vector<survey::ReferencedRun> referenced;
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    if (runs[i].truth.empty()) {
-      return fail(
-          {.code = Errc::kBadInput,
-           .file = runs[i].path + "/truth.tum",
-           .found = "there is no reference trajectory",
-           .expected = "a file truth.tum with at least one pose, or truth.csv with at least one point",
-           .advice =
-               "verify needs a run whose true poses are known; whether the calibration still holds, octant "
-               "monitor tells without them"});
-    }
     survey::ReferencedRun run{{}, runs[i].truth, runs[i].truth_accuracy};
     // truth.tum follows one vehicle; the others of the run have no reference.
     const std::span<const Fix> fixes = localization.of_run(i);

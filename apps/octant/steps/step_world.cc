@@ -22,8 +22,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Error output_error(const fs::path& path, const std::string& found, const std::string& advice = {}) {
-  return {.code = Errc::kOutput, .file = path.string(), .found = found, .expected = {}, .advice = advice};
+[[noreturn]] void fail_output(const fs::path& path, const std::string& found,
+                              const std::string& advice = {}) {
+  fail_with({.code = Errc::kOutput, .file = path.string(), .found = found, .advice = advice});
 }
 
 /// The first thing in the folder that no world has, if any.
@@ -43,51 +44,45 @@ std::optional<fs::path> stranger_in(const fs::path& folder, const std::vector<st
   return std::nullopt;
 }
 
-Result<void> check_world_folder(const fs::path& folder, const std::vector<std::string>& may_replace) {
+void check_world_folder(const fs::path& folder, const std::vector<std::string>& may_replace) {
   std::error_code error;
   const auto status = fs::status(folder, error);
-  if (!fs::exists(status)) return {};
-  if (!fs::is_directory(status)) return fail(output_error(folder, "is a file", "name a folder"));
-  if (const auto stranger = stranger_in(folder, may_replace)) {
-    return fail(output_error(folder,
-                             fmt::format("holds something that is not a simulated world ({})",
-                                         stranger->lexically_relative(folder).string()),
-                             "name an empty or a new folder"));
-  }
-  return {};
+  if (!fs::exists(status)) return;
+  if (!fs::is_directory(status)) fail_output(folder, "is a file", "name a folder");
+  if (const auto stranger = stranger_in(folder, may_replace))
+    fail_output(folder,
+                fmt::format("holds something that is not a simulated world ({})",
+                            stranger->lexically_relative(folder).string()),
+                "name an empty or a new folder");
 }
 
 /// A folder beside the one that it will replace; what killed processes left there is removed.
-Result<fs::path> make_sibling(const fs::path& folder) {
+fs::path make_sibling(const fs::path& folder) {
   constexpr int kTries = 100;
   const fs::path parent = folder.has_parent_path() ? folder.parent_path() : fs::path(".");
   std::error_code error;
   fs::create_directories(parent, error);
-  if (error) return fail(output_error(parent, error.message()));
+  if (error) fail_output(parent, error.message());
   io::remove_stale_beside(folder.string());
   for (int tries = 0; tries < kTries; ++tries) {
     fs::path sibling = io::staging_name(folder.string());
     if (::mkdir(sibling.c_str(), 0777) == 0) return sibling;
     if (errno != EEXIST) break;  // else a process of the same number on another machine
   }
-  return fail(output_error(parent, std::strerror(errno), "choose a folder that can be written"));
+  fail_output(parent, std::strerror(errno), "choose a folder that can be written");
 }
 
-Result<void> write_content(const fs::path& at, const World& world, std::string_view scenario_text) {
+void write_content(const fs::path& at, const World& world, std::string_view scenario_text) {
   const NameTable names = names_of(world.site);
-  Result<void> done;
-  const auto then = [&](auto&& write) {
-    if (interrupted())
-      done = fail(
-          {.code = Errc::kInterrupted, .file = {}, .found = "interrupted", .expected = {}, .advice = {}});
-    if (done) done = write();
+  const auto unless_interrupted = [](auto&& write) {
+    stop_if_interrupted();
+    need(write());
   };
-  then([&] { return io::write_file(at / "site.yaml", io::site_to_yaml(world.site)); });
-  then([&] { return io::write_file(at / "scenario.yaml", scenario_text); });
-  then([&] { return io::write_run(at / "run", world.run, names); });
-  then([&] { return io::write_run(at / "heldout", world.heldout, names); });
-  then([&] { return io::write_deployment(at / "deployment.true.json", world.truth); });
-  return done;
+  unless_interrupted([&] { return io::write_file(at / "site.yaml", io::site_to_yaml(world.site)); });
+  unless_interrupted([&] { return io::write_file(at / "scenario.yaml", scenario_text); });
+  unless_interrupted([&] { return io::write_run(at / "run", world.run, names); });
+  unless_interrupted([&] { return io::write_run(at / "heldout", world.heldout, names); });
+  unless_interrupted([&] { return io::write_deployment(at / "deployment.true.json", world.truth); });
 }
 
 /// Moves every entry of `fresh` into `target`, what stood there before into `old`. The folder itself stays,
@@ -108,41 +103,41 @@ std::error_code exchange_content(const fs::path& fresh, const fs::path& target, 
 
 }  // namespace
 
-Result<void> check_output(const std::string& path) {
-  if (path == "-" || path.empty()) return {};
+void check_output(const std::string& path) {
+  if (path == "-" || path.empty()) return;
   std::error_code error;
-  if (fs::is_directory(path, error)) return fail(output_error(path, "is a folder", "name a file"));
+  if (fs::is_directory(path, error)) fail_output(path, "is a folder", "name a file");
   const fs::path parent = fs::path(path).parent_path();
-  if (!parent.empty() && !fs::is_directory(parent, error)) {
-    return fail(output_error(path, fmt::format("the folder '{}' does not exist", parent.string()),
-                             "create it first"));
-  }
-  return {};
+  if (!parent.empty() && !fs::is_directory(parent, error))
+    fail_output(path, fmt::format("the folder '{}' does not exist", parent.string()), "create it first");
 }
 
-Result<void> write_world(const std::string& folder, const World& world, std::string_view scenario_text,
-                         const std::vector<std::string>& may_replace) {
+World simulated(const Scenario& scenario, const Session& session) {
+  const ExitAtOnce nothing_written_yet;
+  World world = need(simulate(scenario, session.options.seed));
+  world.truth.created = created_now();
+  world.truth.program_version = OCTANT_VERSION;
+  world.truth.program_command = session.command_line;
+  return world;
+}
+
+void write_world(const std::string& folder, const World& world, std::string_view scenario_text,
+                 const std::vector<std::string>& may_replace) {
   std::error_code error;
   fs::path target = fs::weakly_canonical(folder, error);
-  if (error) return fail(output_error(folder, error.message()));
+  if (error) fail_output(folder, error.message());
   if (!target.has_filename()) target = target.parent_path();
-  if (auto fit = check_world_folder(target, may_replace); !fit) return fit;
-  auto made = make_sibling(target);
-  if (!made) return fail(made.error());
-  io::StagedFolder fresh(*made);
-  if (auto written = write_content(fresh.path(), world, scenario_text); !written) return written;
-
+  check_world_folder(target, may_replace);
+  io::StagedFolder fresh(make_sibling(target));
+  write_content(fresh.path(), world, scenario_text);
   if (fs::exists(target, error)) {
-    auto aside = make_sibling(target);
-    if (!aside) return fail(aside.error());
-    const io::StagedFolder old(*aside);
+    const io::StagedFolder old(make_sibling(target));
     error = exchange_content(fresh.path(), target, old.path());
   } else {
     fs::rename(fresh.path(), target, error);
     if (!error) fresh.keep();
   }
-  if (error) return fail(output_error(target, error.message()));
-  return {};
+  if (error) fail_output(target, error.message());
 }
 
 }  // namespace octant::app

@@ -29,7 +29,7 @@ namespace octant::app {
 class ProgressReporter;
 
 /// Fails early where an output could not be written anyway: its folder is missing, or it is a folder.
-[[nodiscard]] Result<void> check_output(const std::string& path);
+void check_output(const std::string& path);
 
 /// At which a column distance_m of tof.csv is read; 0 where the medium's speed is not constant, and there may
 /// be none.
@@ -40,25 +40,26 @@ class ProgressReporter;
 /// A recording that is named twice makes sigmas smaller than they are.
 void warn_of_repeated_runs(const std::vector<std::string>& folders, Session& session);
 /// Reads recordings in order; warnings go to the session.
-[[nodiscard]] Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders,
-                                                            const NameTable& names, const Timing& timing,
-                                                            io::ReadRunOptions options, Session& session);
+[[nodiscard]] std::vector<MeasurementLog> read_runs(const std::vector<std::string>& folders,
+                                                    const NameTable& names, const Timing& timing,
+                                                    io::ReadRunOptions options, Session& session);
 /// @param of  site or deployment that tells names, timing and medium
 template <class SiteOrDeployment>
-[[nodiscard]] Result<std::vector<MeasurementLog>> read_runs(const std::vector<std::string>& folders,
-                                                            const SiteOrDeployment& of,
-                                                            io::ReadRunOptions options, Session& session) {
+[[nodiscard]] std::vector<MeasurementLog> read_runs(const std::vector<std::string>& folders,
+                                                    const SiteOrDeployment& of, io::ReadRunOptions options,
+                                                    Session& session) {
   options.constant_speed_mps = constant_speed_mps(of.medium);
   return read_runs(folders, names_of(of), of.timing, options, session);
 }
 
+/// The world of a scenario, whose true deployment says what made it.
+[[nodiscard]] World simulated(const Scenario& scenario, const Session& session);
 /// Writes a simulated world as a folder that is complete or not there: site.yaml, run/, heldout/,
 /// deployment.true.json and the scenario's text. An older world of the same place is replaced; a folder that
 /// holds anything else is refused.
 /// @param may_replace  names of further files that may lie there and are dropped
-[[nodiscard]] Result<void> write_world(const std::string& folder, const World& world,
-                                       std::string_view scenario_text,
-                                       const std::vector<std::string>& may_replace = {});
+void write_world(const std::string& folder, const World& world, std::string_view scenario_text,
+                 const std::vector<std::string>& may_replace = {});
 
 /// A calibration with all that is said of it.
 struct Calibration {
@@ -75,10 +76,9 @@ struct CalibrateOptions {
   bool accept = false;           ///< exports, marked, what the data contradict
   std::size_t memory_mb = 1500;  ///< recordings that would take more are streamed
 };
-/// Errors of reading; numerical trouble is in the solution.
-[[nodiscard]] Result<Calibration> calibrate_files(const std::string& site,
-                                                  const std::vector<std::string>& runs,
-                                                  const CalibrateOptions& options, Session& session);
+/// Failures of reading, interruption; numerical trouble is in the solution.
+[[nodiscard]] Calibration calibrate_files(const std::string& site, const std::vector<std::string>& runs,
+                                          const CalibrateOptions& options, Session& session);
 /// Options of an adjustment on the session's threads that shows how far it is and ends with an interruption.
 /// @param reporter  must outlive them  @param share  of what it shows, that the adjustment is
 [[nodiscard]] calib::SolveOptions solve_options(const Session& session, ProgressReporter& reporter,
@@ -150,17 +150,19 @@ struct MethodArgs {
   std::string map;  ///< a run with scans and measured poses, for a line map; empty: none
   KleemanHeading heading = KleemanHeading::kInterpolation;
 };
-[[nodiscard]] Result<MethodInput> method_input(const MethodArgs& args, const Deployment& deployment);
+[[nodiscard]] MethodInput method_input(const MethodArgs& args, const Deployment& deployment);
 
 /// A line map starts from the run's first measured pose; no other method looks at poses.tum.
 [[nodiscard]] inline bool looks_at_poses(const MethodArgs& args) {
   return args.method == Method::kLineMap || !args.map.empty();
 }
 
-/// Fixes of the vehicle that truth.tum follows against it. Errors: a run without truth.
-[[nodiscard]] Result<survey::Evaluation> verify_fixes(const Deployment& deployment,
-                                                      const std::vector<MeasurementLog>& runs,
-                                                      const Localization& localization);
+/// Fails where a run has no reference.
+void check_truth(const std::vector<MeasurementLog>& runs);
+/// Fixes of the vehicle that truth.tum follows against it.
+[[nodiscard]] survey::Evaluation verify_fixes(const Deployment& deployment,
+                                              const std::vector<MeasurementLog>& runs,
+                                              const Localization& localization);
 [[nodiscard]] Json gates_json(const std::vector<survey::Gate>& gates);
 [[nodiscard]] Json evaluation_json(const survey::Evaluation& evaluation);
 [[nodiscard]] std::string evaluation_text(const survey::Evaluation& evaluation,

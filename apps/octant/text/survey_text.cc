@@ -65,27 +65,22 @@ Json losses_json(const Survey& survey, const std::vector<Loss>& losses) {
 
 bool is_number(const FloorMap& map) { return map.name != "loss_one_beacon" && map.name != "mirror"; }
 
-Result<void> write(const std::string& folder, const std::string& name, std::string_view content,
-                   std::vector<std::string>& written) {
-  auto done = io::write_file((std::filesystem::path(folder) / name).string(), content);
-  if (done) written.push_back(name);
-  return done;
+void write(const std::string& folder, const std::string& name, std::string_view content,
+           std::vector<std::string>& written) {
+  need(io::write_file((std::filesystem::path(folder) / name).string(), content));
+  written.push_back(name);
 }
 
-Result<void> write_map(const Survey& survey, const FloorMap& map, const std::string& folder,
-                       std::vector<std::string>& written) {
+void write_map(const Survey& survey, const FloorMap& map, const std::string& folder,
+               std::vector<std::string>& written) {
   const auto cells = survey::cell_map(survey, map);
-  if (auto done =
-          write(folder, map.name + ".svg", survey::map_svg(survey, survey::binned_map(survey, map)), written);
-      !done)
-    return done;
-  const auto png = io::png_of(survey::pixels_of(cells), cells.columns, cells.rows);
-  if (!png) return fail(png.error());
-  if (auto done = write(folder, map.name + ".png", *png, written); !done) return done;
+  write(folder, map.name + ".svg", survey::map_svg(survey, survey::binned_map(survey, map)), written);
+  write(folder, map.name + ".png", need(io::png_of(survey::pixels_of(cells), cells.columns, cells.rows)),
+        written);
   const auto costmap = io::costmap_text(survey::costs_of(cells), cells.columns, cells.rows, cells.bin_m,
                                         cells.origin_m, map.name + ".pgm");
-  if (auto done = write(folder, map.name + ".pgm", costmap.pgm, written); !done) return done;
-  return write(folder, map.name + ".yaml", costmap.yaml, written);
+  write(folder, map.name + ".pgm", costmap.pgm, written);
+  write(folder, map.name + ".yaml", costmap.yaml, written);
 }
 
 std::string losses_text(const Survey& survey) {
@@ -235,22 +230,18 @@ std::vector<std::string> map_files(const Survey& survey, const std::string& fold
   return files;
 }
 
-Result<std::vector<std::string>> write_maps(const Survey& survey, const std::string& folder) {
+std::vector<std::string> write_maps(const Survey& survey, const std::string& folder) {
   std::error_code trouble;
   std::filesystem::create_directory(folder, trouble);
   if (trouble || !std::filesystem::is_directory(folder))
-    return fail({.code = Errc::kOutput,
-                 .file = folder,
-                 .found = "no folder, and none can be made: " + trouble.message(),
-                 .expected = "a folder for the maps"});
+    fail_with({.code = Errc::kOutput,
+               .file = folder,
+               .found = "no folder, and none can be made: " + trouble.message(),
+               .expected = "a folder for the maps"});
   std::vector<std::string> written;
-  for (const FloorMap& map : survey.maps)
-    if (auto done = write_map(survey, map, folder, written); !done) return fail(done.error());
-  if (auto done = write(folder, "cells.csv", survey::survey_csv(survey), written); !done)
-    return fail(done.error());
-  if (!survey.routes.empty())
-    if (auto done = write(folder, "routes.csv", survey::routes_csv(survey), written); !done)
-      return fail(done.error());
+  for (const FloorMap& map : survey.maps) write_map(survey, map, folder, written);
+  write(folder, "cells.csv", survey::survey_csv(survey), written);
+  if (!survey.routes.empty()) write(folder, "routes.csv", survey::routes_csv(survey), written);
   return written;
 }
 

@@ -24,8 +24,7 @@ namespace octant::app {
 
 /// Every map into a folder, which is made: NAME.svg, NAME.png (a pixel a cell), NAME.pgm and NAME.yaml (for
 /// ROS' map_server); cells.csv, routes.csv. Each file whole or not at all.
-[[nodiscard]] Result<std::vector<std::string>> write_maps(const survey::Survey& survey,
-                                                          const std::string& folder);
+[[nodiscard]] std::vector<std::string> write_maps(const survey::Survey& survey, const std::string& folder);
 /// What it may write.
 [[nodiscard]] std::vector<std::string> map_files(const survey::Survey& survey, const std::string& folder);
 
