@@ -75,13 +75,12 @@ std::string with_identity(std::string sql, const std::string& identity) {
 
 }  // namespace
 
-Result<void> migrate(SqlDatabase& database) {
-  SqlStore& store = database.store();
+Result<void> migrate(SqlStore& store) {
   const auto found = store.schema();
   if (!found) return fail(found.error());
   if (auto ours = check_owner(*found, store.name()); !ours) return ours;
   if (found->version == kVersion) return {};
-  auto transaction = SqlTransaction::begin(database);
+  auto transaction = SqlTransaction::begin(store);
   if (!transaction) return fail(transaction.error());
   // Another program may have done it while this one waited.
   const auto now = store.schema();

@@ -9,6 +9,6 @@ namespace octant::io {
 
 /// Brings an empty or older history to the tables of today, one version after the other, each whole or not at
 /// all. Errors: a newer history, a database of another program.
-[[nodiscard]] Result<void> migrate(SqlDatabase& database);
+[[nodiscard]] Result<void> migrate(SqlStore& store);
 
 }  // namespace octant::io

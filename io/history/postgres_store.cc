@@ -64,15 +64,15 @@ std::string numbered(std::string_view sql) {
 }
 
 /// All rows of a statement, fetched as it is run.
-class PqRows final : public SqlRows {
+class PqStatement final : public SqlStatement {
  public:
-  PqRows(const PqConnection& connection, std::string_view sql)
+  PqStatement(const PqConnection& connection, std::string_view sql)
       : connection_(connection), sql_(numbered(sql)) {}
 
-  void bind(int at, std::string_view text) override { value(at) = std::string(text); }
-  void bind(int at, std::int64_t number) override { value(at) = std::to_string(number); }
-  void bind(int at, double number) override { value(at) = fmt::format("{}", number); }
-  void bind_null(int at) override { value(at).reset(); }
+  void put(int at, std::string_view text) override { value(at) = std::string(text); }
+  void put(int at, std::int64_t number) override { value(at) = std::to_string(number); }
+  void put(int at, double number) override { value(at) = fmt::format("{}", number); }
+  void put_null(int at) override { value(at).reset(); }
 
   Result<bool> next() override {
     if (!result_) {
@@ -127,8 +127,8 @@ class PostgresStore final : public SqlStore {
     if (auto done = connection_.exec(sql); !done) return fail(done.error());
     return {};
   }
-  Result<std::unique_ptr<SqlRows>> prepare(std::string_view sql) override {
-    return std::make_unique<PqRows>(connection_, sql);
+  Result<std::unique_ptr<SqlStatement>> prepare(std::string_view sql) override {
+    return std::make_unique<PqStatement>(connection_, sql);
   }
   Result<void> begin() override {
     if (auto begun = run("BEGIN"); !begun) return begun;
@@ -140,14 +140,14 @@ class PostgresStore final : public SqlStore {
   Result<SqlSchema> schema() override {
     // Of one statement, which sees the tables of one moment: between two, another program may make all of
     // them, and what is ours would look like another's.
-    PqRows tables(connection_,
-                  "SELECT count(*) FILTER (WHERE tablename = 'octant_history'), "
-                  "count(*) FILTER (WHERE tablename IN ('document', 'visit', 'beacon')) "
-                  "FROM pg_tables WHERE schemaname = current_schema()");
+    PqStatement tables(connection_,
+                       "SELECT count(*) FILTER (WHERE tablename = 'octant_history'), "
+                       "count(*) FILTER (WHERE tablename IN ('document', 'visit', 'beacon')) "
+                       "FROM pg_tables WHERE schemaname = current_schema()");
     const auto row = tables.next();
     if (!row) return fail(row.error());
     if (tables.integer(0) == 0) return SqlSchema{0, false, tables.integer(1) == 0};
-    PqRows version(connection_, "SELECT max(version) FROM octant_history");
+    PqStatement version(connection_, "SELECT max(version) FROM octant_history");
     const auto found = version.next();
     if (!found) return fail(found.error());
     return SqlSchema{version.integer(0), true, false};

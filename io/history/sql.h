@@ -19,21 +19,54 @@ namespace octant::io {
 inline constexpr int kPatience_s = 30;
 
 /// A prepared statement of a store. Values are bound from 1 (?1, ?2, ...) and read from 0, as SQLite counts.
-class SqlRows {
+class SqlStatement {
  public:
-  virtual ~SqlRows() = default;
-  virtual void bind(int at, std::string_view text) = 0;
-  virtual void bind(int at, std::int64_t number) = 0;
-  virtual void bind(int at, double number) = 0;
-  virtual void bind_null(int at) = 0;
+  virtual ~SqlStatement() = default;
+
+  template <class Value>
+  SqlStatement& bind(int at, const Value& value) {
+    put(at, value);
+    return *this;
+  }
+  SqlStatement& bind(int at, const std::optional<double>& number) {
+    number ? put(at, *number) : put_null(at);
+    return *this;
+  }
+  /// All of them, from 1.
+  template <class... Values>
+  SqlStatement& bind_all(const Values&... values) {
+    int at = 0;
+    (bind(++at, values), ...);
+    return *this;
+  }
   /// The next row; false: there is none.
   [[nodiscard]] virtual Result<bool> next() = 0;
+  /// Calls visit() at each row.
+  template <class Visit>
+  [[nodiscard]] Result<void> for_each(Visit&& visit) {
+    for (;;) {
+      const auto row = next();
+      if (!row) return fail(row.error());
+      if (!*row) return {};
+      visit();
+    }
+  }
   /// To be bound and run once more.
   virtual void reset() = 0;
+
   [[nodiscard]] virtual std::string text(int column) const = 0;
   [[nodiscard]] virtual std::int64_t integer(int column) const = 0;
   [[nodiscard]] virtual double real(int column) const = 0;
   [[nodiscard]] virtual bool is_null(int column) const = 0;
+  [[nodiscard]] std::optional<double> real_or_none(int column) const {
+    return is_null(column) ? std::nullopt : std::optional<double>(real(column));
+  }
+
+ protected:
+  virtual void put(int at, std::string_view text) = 0;
+  virtual void put(int at, std::int64_t number) = 0;
+  virtual void put(int at, double number) = 0;
+  virtual void put_null(int at) = 0;
 };
 
 /// What a store holds before anything is read of it.
@@ -43,13 +76,15 @@ struct SqlSchema {
   bool empty = false;  ///< there is nothing, and one may be made
 };
 
-/// A database. What the dialects share is written once, by whoever calls; what they do not is here.
+/// A database, by its path or connection string. What the dialects share is written once, by whoever calls;
+/// what they do not is here.
 class SqlStore {
  public:
   virtual ~SqlStore() = default;
+  [[nodiscard]] static Result<std::unique_ptr<SqlStore>> open(const std::string& path, bool create);
   /// Statements without rows, one or several.
   [[nodiscard]] virtual Result<void> run(const std::string& sql) = 0;
-  [[nodiscard]] virtual Result<std::unique_ptr<SqlRows>> prepare(std::string_view sql) = 0;
+  [[nodiscard]] virtual Result<std::unique_ptr<SqlStatement>> prepare(std::string_view sql) = 0;
   /// Begins at once as the only writer, so that nobody has read what another is about to change.
   [[nodiscard]] virtual Result<void> begin() = 0;
   [[nodiscard]] virtual Result<SqlSchema> schema() = 0;
@@ -75,80 +110,17 @@ class SqlStore {
 /// "postgresql://..." or "postgres://...".
 [[nodiscard]] bool is_connection_string(std::string_view path);
 
-/// A statement as a value: SqlRows with bindings in a chain.
-class SqlStatement {
- public:
-  explicit SqlStatement(std::unique_ptr<SqlRows> rows) : rows_(std::move(rows)) {}
-
-  template <class Value>
-  SqlStatement& bind(int at, const Value& value) {
-    rows_->bind(at, value);
-    return *this;
-  }
-  SqlStatement& bind(int at, const std::string& text) { return bind(at, std::string_view(text)); }
-  SqlStatement& bind(int at, const char* text) { return bind(at, std::string_view(text)); }
-  SqlStatement& bind(int at, const std::optional<double>& number) {
-    if (number) return bind(at, *number);
-    rows_->bind_null(at);
-    return *this;
-  }
-  /// All of them, from 1.
-  template <class... Values>
-  SqlStatement& bind_all(const Values&... values) {
-    int at = 0;
-    (bind(++at, values), ...);
-    return *this;
-  }
-  [[nodiscard]] Result<bool> next() { return rows_->next(); }
-  /// Calls visit() at each row.
-  template <class Visit>
-  [[nodiscard]] Result<void> for_each(Visit&& visit) {
-    for (;;) {
-      const auto row = next();
-      if (!row) return fail(row.error());
-      if (!*row) return {};
-      visit();
-    }
-  }
-  void reset() { rows_->reset(); }
-
-  [[nodiscard]] std::string text(int column) const { return rows_->text(column); }
-  [[nodiscard]] std::int64_t integer(int column) const { return rows_->integer(column); }
-  [[nodiscard]] double real(int column) const { return rows_->real(column); }
-  [[nodiscard]] std::optional<double> real_or_none(int column) const {
-    if (rows_->is_null(column)) return std::nullopt;
-    return rows_->real(column);
-  }
-
- private:
-  std::unique_ptr<SqlRows> rows_;
-};
-
-/// A store by its path or connection string.
-class SqlDatabase {
- public:
-  [[nodiscard]] static Result<SqlDatabase> open(const std::string& path, bool create);
-  [[nodiscard]] Result<void> run(const std::string& sql) { return store_->run(sql); }
-  [[nodiscard]] Result<SqlStatement> prepare(std::string_view sql);
-  [[nodiscard]] SqlStore& store() { return *store_; }
-  [[nodiscard]] std::string name() const { return store_->name(); }
-
- private:
-  explicit SqlDatabase(std::unique_ptr<SqlStore> store) : store_(std::move(store)) {}
-  std::unique_ptr<SqlStore> store_;
-};
-
 /// Takes everything back unless commit() went through.
 class SqlTransaction {
  public:
-  [[nodiscard]] static Result<SqlTransaction> begin(SqlDatabase& database);
+  [[nodiscard]] static Result<SqlTransaction> begin(SqlStore& store);
   SqlTransaction(SqlTransaction&& other) noexcept;
   ~SqlTransaction();
   [[nodiscard]] Result<void> commit();
 
  private:
-  explicit SqlTransaction(SqlDatabase& database) : database_(&database) {}
-  SqlDatabase* database_;
+  explicit SqlTransaction(SqlStore& store) : store_(&store) {}
+  SqlStore* store_;
 };
 
 }  // namespace octant::io

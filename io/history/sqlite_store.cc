@@ -52,20 +52,20 @@ tl::unexpected<Error> sql_failure(const std::string& path, int code, const std::
   }
 }
 
-class SqliteRows final : public SqlRows {
+class SqliteStatement final : public SqlStatement {
  public:
-  SqliteRows(sqlite3_stmt* statement, sqlite3* db, const std::string& path)
+  SqliteStatement(sqlite3_stmt* statement, sqlite3* db, const std::string& path)
       : statement_(statement), db_(db), path_(path) {}
-  ~SqliteRows() override { sqlite3_finalize(statement_); }
-  SqliteRows(const SqliteRows&) = delete;
-  SqliteRows& operator=(const SqliteRows&) = delete;
+  ~SqliteStatement() override { sqlite3_finalize(statement_); }
+  SqliteStatement(const SqliteStatement&) = delete;
+  SqliteStatement& operator=(const SqliteStatement&) = delete;
 
-  void bind(int at, std::string_view text) override {
+  void put(int at, std::string_view text) override {
     sqlite3_bind_text64(statement_, at, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8);
   }
-  void bind(int at, std::int64_t number) override { sqlite3_bind_int64(statement_, at, number); }
-  void bind(int at, double number) override { sqlite3_bind_double(statement_, at, number); }
-  void bind_null(int at) override { sqlite3_bind_null(statement_, at); }
+  void put(int at, std::int64_t number) override { sqlite3_bind_int64(statement_, at, number); }
+  void put(int at, double number) override { sqlite3_bind_double(statement_, at, number); }
+  void put_null(int at) override { sqlite3_bind_null(statement_, at); }
   Result<bool> next() override {
     const int code = sqlite3_step(statement_);
     if (code == SQLITE_ROW) return true;
@@ -106,11 +106,11 @@ class SqliteStore final : public SqlStore {
     if (sqlite3_exec(db_, sql.c_str(), nullptr, nullptr, nullptr) == SQLITE_OK) return {};
     return failure();
   }
-  Result<std::unique_ptr<SqlRows>> prepare(std::string_view sql) override {
+  Result<std::unique_ptr<SqlStatement>> prepare(std::string_view sql) override {
     sqlite3_stmt* statement = nullptr;
     if (sqlite3_prepare_v2(db_, sql.data(), static_cast<int>(sql.size()), &statement, nullptr) != SQLITE_OK)
       return failure();
-    return std::make_unique<SqliteRows>(statement, db_, path_);
+    return std::make_unique<SqliteStatement>(statement, db_, path_);
   }
   Result<void> begin() override { return run("BEGIN IMMEDIATE"); }
   Result<SqlSchema> schema() override {

@@ -137,7 +137,7 @@ TEST_F(HistoryFolder, RefusesWhatIsNotItsOwn) {
   EXPECT_EQ(history({"show", "9"}).exit, 3);
   EXPECT_EQ(history({"trend", "B9"}).exit, 3);
   EXPECT_EQ(history({"trend", "--site", "elsewhere"}).exit, 3);
-  ASSERT_TRUE(io::SqlDatabase::open(db, false)->run("PRAGMA user_version = 2"));
+  ASSERT_TRUE((*io::SqlStore::open(db, false))->run("PRAGMA user_version = 2"));
   const Outcome newer = history({"list"});
   EXPECT_EQ(newer.exit, 3);
   EXPECT_THAT(newer.err, HasSubstr("a newer octant wrote it"));
@@ -214,11 +214,11 @@ class KilledWriters : public HistoryFolder {
     std::size_t told = 2;
     for (int i = 0; i < kills; ++i)
       told += octant_killed({"history", "add", file(2 + i), "--db", db}, draws.uniform(0.0, 1.3 * whole_s));
-    auto database = io::SqlDatabase::open(db, false);
+    auto database = io::SqlStore::open(db, false);
     ASSERT_TRUE(database) << database.error().message();
-    auto check = database->prepare("PRAGMA integrity_check");
-    ASSERT_TRUE(check && check->next());
-    EXPECT_EQ(check->text(0), "ok");
+    auto check = (*database)->prepare("PRAGMA integrity_check");
+    ASSERT_TRUE(check && (*check)->next());
+    EXPECT_EQ((*check)->text(0), "ok");
     // All that was told to be added is there; one that was killed between commit and its end may be there
     // too.
     const std::size_t found = visits();

@@ -188,13 +188,13 @@ TEST_F(PostgresHistory, IsNotMadeByReading) {
 
 TEST_F(PostgresHistory, ANewerOneIsRefusedAndOneOfAnotherProgramToo) {
   ASSERT_TRUE(History::open(database(), true));
-  ASSERT_TRUE(SqlDatabase::open(database(), true)->run("UPDATE octant_history SET version = 99"));
+  ASSERT_TRUE((*SqlStore::open(database(), true))->run("UPDATE octant_history SET version = 99"));
   auto newer = History::open(database(), true);
   ASSERT_FALSE(newer);
   EXPECT_NE(newer.error().message().find("version 99"), std::string::npos);
   ASSERT_TRUE(server_->make(name_ + "other"));
   const std::string other = server_->database(name_ + "other");
-  ASSERT_TRUE(SqlDatabase::open(other, true)->run("CREATE TABLE visit (patient TEXT)"));
+  ASSERT_TRUE((*SqlStore::open(other, true))->run("CREATE TABLE visit (patient TEXT)"));
   auto foreign = History::open(other, true);
   ASSERT_FALSE(foreign);
   EXPECT_NE(foreign.error().message().find("another program"), std::string::npos);
@@ -212,20 +212,20 @@ TEST_F(PostgresHistory, AFailedAdditionLeavesNothing) {
 
 /// Who looks while another makes the tables sees none of them or all.
 TEST_F(PostgresHistory, IsNeverAnothersWhileItIsMade) {
-  auto looking = SqlDatabase::open(database(), true);
+  auto looking = SqlStore::open(database(), true);
   ASSERT_TRUE(looking);
   for (int round = 0; round < 15; ++round) {
     const pid_t maker = fork();
     ASSERT_GE(maker, 0);
     if (maker == 0) _exit(History::open(database(), true) ? 0 : 1);
     for (bool made = false; !made;) {
-      const auto schema = looking->store().schema();
+      const auto schema = (*looking)->schema();
       ASSERT_TRUE(schema) << schema.error().message();
       ASSERT_TRUE(schema->ours || schema->empty) << "round " << round;
       made = schema->ours || waitpid(maker, nullptr, WNOHANG) == maker;
     }
     waitpid(maker, nullptr, 0);
-    ASSERT_TRUE(looking->run("DROP TABLE beacon, visit, document, octant_history"));
+    ASSERT_TRUE((*looking)->run("DROP TABLE beacon, visit, document, octant_history"));
   }
 }
 

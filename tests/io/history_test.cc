@@ -154,14 +154,14 @@ TEST(History, RefusesWhatIsNotItsOwn) {
   expect_error(History::open(folder.write("text.db", std::string(5000, 'x')), true), 0, "no SQLite database",
                "text.db");
   {
-    auto other = SqlDatabase::open(folder.path("other.db"), true);
-    ASSERT_TRUE(other->run("CREATE TABLE bookmarks (id INTEGER)"));
+    auto other = SqlStore::open(folder.path("other.db"), true);
+    ASSERT_TRUE((*other)->run("CREATE TABLE bookmarks (id INTEGER)"));
   }
   expect_error(History::open(folder.path("other.db"), true), 0, "another program", "other.db");
   ASSERT_TRUE(History::open(folder.path("newer.db"), true));
   {
-    auto newer = SqlDatabase::open(folder.path("newer.db"), false);
-    ASSERT_TRUE(newer->run("PRAGMA user_version = 99"));
+    auto newer = SqlStore::open(folder.path("newer.db"), false);
+    ASSERT_TRUE((*newer)->run("PRAGMA user_version = 99"));
   }
   expect_error(History::open(folder.path("newer.db"), false), 0, "a history of version 99", "newer.db");
   expect_error(History::open(folder.path("no/such/folder/h.db"), true), 0, "folder", "h.db");
@@ -196,13 +196,13 @@ TEST(History, IsNeverAnothersWhileItIsMade) {
   const TemporaryFolder folder;
   for (int round = 0; round < 30; ++round) {
     const std::string path = folder.path("h" + std::to_string(round) + ".db");
-    auto looking = SqlDatabase::open(path, true);
+    auto looking = SqlStore::open(path, true);
     ASSERT_TRUE(looking);
     const pid_t maker = fork();
     ASSERT_GE(maker, 0);
     if (maker == 0) _exit(History::open(path, true) ? 0 : 1);
     for (bool made = false; !made;) {
-      const auto schema = looking->store().schema();
+      const auto schema = (*looking)->schema();
       ASSERT_TRUE(schema) << schema.error().message();
       ASSERT_TRUE(schema->ours || schema->empty) << "round " << round;
       made = schema->ours;

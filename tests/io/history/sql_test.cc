@@ -15,81 +15,81 @@ using test::TemporaryFolder;
 
 /// A database with one table, in a folder of its own.
 struct Box {
-  Box() : database(SqlDatabase::open(folder.path("a.db"), true).value()) {
-    EXPECT_TRUE(database.run(
+  Box() : database(SqlStore::open(folder.path("a.db"), true).value()) {
+    EXPECT_TRUE(database->run(
         "CREATE TABLE t (id INTEGER PRIMARY KEY, text TEXT, number BIGINT, real DOUBLE PRECISION)"));
   }
   Result<void> insert(std::int64_t id) {
-    auto statement = database.prepare("INSERT INTO t (id) VALUES (?1)");
+    auto statement = database->prepare("INSERT INTO t (id) VALUES (?1)");
     if (!statement) return fail(statement.error());
-    if (auto done = statement->bind(1, id).next(); !done) return fail(done.error());
+    if (auto done = (*statement)->bind(1, id).next(); !done) return fail(done.error());
     return {};
   }
   [[nodiscard]] std::int64_t count() {
-    auto rows = database.prepare("SELECT count(*) FROM t").value();
-    EXPECT_TRUE(rows.next().value());
-    return rows.integer(0);
+    auto rows = database->prepare("SELECT count(*) FROM t").value();
+    EXPECT_TRUE(rows->next().value());
+    return rows->integer(0);
   }
   TemporaryFolder folder;
-  SqlDatabase database;
+  std::unique_ptr<SqlStore> database;
 };
 
 TEST(Sql, ValuesComeBackAsTheyWere) {
   Box box;
   EXPECT_TRUE(rc::check("texts, whole numbers, numbers, nothing", [&] {
-    RC_ASSERT(box.database.run("DELETE FROM t").has_value());
+    RC_ASSERT(box.database->run("DELETE FROM t").has_value());
     const std::string text =
         test::some_name(3) + *rc::gen::element<std::string>("", "'; DROP TABLE t; --", "?1");
     const auto number = *rc::gen::arbitrary<std::int64_t>();
     const std::optional<double> real = test::maybe(test::some_number());
-    auto insert = box.database.prepare("INSERT INTO t (text, number, real) VALUES (?1, ?2, ?3)").value();
-    RC_ASSERT(insert.bind(1, text).bind(2, number).bind(3, real).next().has_value());
-    auto rows = box.database.prepare("SELECT text, number, real FROM t").value();
-    RC_ASSERT(rows.next().value());
-    RC_ASSERT(rows.text(0) == text);
-    RC_ASSERT(rows.integer(1) == number);
-    RC_ASSERT(rows.real_or_none(2) == real);
-    RC_ASSERT(!rows.next().value());
+    auto insert = box.database->prepare("INSERT INTO t (text, number, real) VALUES (?1, ?2, ?3)").value();
+    RC_ASSERT(insert->bind(1, text).bind(2, number).bind(3, real).next().has_value());
+    auto rows = box.database->prepare("SELECT text, number, real FROM t").value();
+    RC_ASSERT(rows->next().value());
+    RC_ASSERT(rows->text(0) == text);
+    RC_ASSERT(rows->integer(1) == number);
+    RC_ASSERT(rows->real_or_none(2) == real);
+    RC_ASSERT(!rows->next().value());
   }));
 }
 
 TEST(Sql, NumbersAtTheirLimitsComeBackToTheLastBit) {
   Box box;
-  auto insert = box.database.prepare("INSERT INTO t (real) VALUES (?1)").value();
+  auto insert = box.database->prepare("INSERT INTO t (real) VALUES (?1)").value();
   const std::vector<double> numbers = {
       0.0, -0.0, 5e-324, 1.7976931348623157e308, 0.1, std::numeric_limits<double>::infinity()};
   for (const double number : numbers) {
-    EXPECT_TRUE(insert.bind(1, number).next());
-    insert.reset();
+    EXPECT_TRUE(insert->bind(1, number).next());
+    insert->reset();
   }
-  auto rows = box.database.prepare("SELECT real FROM t ORDER BY id").value();
+  auto rows = box.database->prepare("SELECT real FROM t ORDER BY id").value();
   for (const double number : numbers) {
-    ASSERT_TRUE(rows.next().value());
-    EXPECT_EQ(rows.real(0), number);
+    ASSERT_TRUE(rows->next().value());
+    EXPECT_EQ(rows->real(0), number);
   }
 }
 
 TEST(Sql, AStatementThatIsResetForgetsWhatWasBound) {
   Box box;
-  auto insert = box.database.prepare("INSERT INTO t (text, number) VALUES (?1, ?2)").value();
-  EXPECT_TRUE(insert.bind(1, "a").bind(2, std::int64_t{7}).next());
-  insert.reset();
-  EXPECT_TRUE(insert.bind(2, std::int64_t{8}).next());
-  auto rows = box.database.prepare("SELECT text FROM t WHERE number = 8 AND text IS NULL").value();
-  EXPECT_TRUE(rows.next().value());
-  EXPECT_EQ(rows.text(0), "") << "and nothing is an empty text";
+  auto insert = box.database->prepare("INSERT INTO t (text, number) VALUES (?1, ?2)").value();
+  EXPECT_TRUE(insert->bind(1, "a").bind(2, std::int64_t{7}).next());
+  insert->reset();
+  EXPECT_TRUE(insert->bind(2, std::int64_t{8}).next());
+  auto rows = box.database->prepare("SELECT text FROM t WHERE number = 8 AND text IS NULL").value();
+  EXPECT_TRUE(rows->next().value());
+  EXPECT_EQ(rows->text(0), "") << "and nothing is an empty text";
 }
 
 TEST(Sql, WhatIsNotCommittedIsTakenBack) {
   Box box;
   {
-    auto transaction = SqlTransaction::begin(box.database).value();
+    auto transaction = SqlTransaction::begin(*box.database).value();
     EXPECT_TRUE(box.insert(1));
     EXPECT_EQ(box.count(), 1) << "within it, it is there";
   }
   EXPECT_EQ(box.count(), 0);
   {
-    auto transaction = SqlTransaction::begin(box.database).value();
+    auto transaction = SqlTransaction::begin(*box.database).value();
     EXPECT_TRUE(box.insert(1));
     EXPECT_TRUE(transaction.commit());
   }
@@ -99,7 +99,7 @@ TEST(Sql, WhatIsNotCommittedIsTakenBack) {
 TEST(Sql, ATransactionThatWasMovedIsTakenBackOnce) {
   Box box;
   {
-    auto first = SqlTransaction::begin(box.database).value();
+    auto first = SqlTransaction::begin(*box.database).value();
     SqlTransaction second(std::move(first));
     EXPECT_TRUE(box.insert(1));
     EXPECT_TRUE(second.commit());
@@ -109,13 +109,13 @@ TEST(Sql, ATransactionThatWasMovedIsTakenBackOnce) {
 
 TEST(Sql, AnotherReaderSeesWhatIsCommittedAndNothingBefore) {
   Box box;
-  auto other = SqlDatabase::open(box.folder.path("a.db"), false).value();
+  auto other = SqlStore::open(box.folder.path("a.db"), false).value();
   const auto seen = [&] {
-    auto rows = other.prepare("SELECT count(*) FROM t").value();
-    EXPECT_TRUE(rows.next().value());
-    return rows.integer(0);
+    auto rows = other->prepare("SELECT count(*) FROM t").value();
+    EXPECT_TRUE(rows->next().value());
+    return rows->integer(0);
   };
-  auto transaction = SqlTransaction::begin(box.database).value();
+  auto transaction = SqlTransaction::begin(*box.database).value();
   EXPECT_TRUE(box.insert(1));
   EXPECT_EQ(seen(), 0) << "and nobody waits";
   EXPECT_TRUE(transaction.commit());
@@ -124,34 +124,34 @@ TEST(Sql, AnotherReaderSeesWhatIsCommittedAndNothingBefore) {
 
 TEST(Sql, FaultsAreNamedWithTheirFile) {
   Box box;
-  expect_error(box.database.prepare("SELECT absent FROM t"), 0, "no such column", "a.db");
-  expect_error(box.database.run("CREATE TABLE t (id INTEGER)"), 0, "already exists", "a.db");
+  expect_error(box.database->prepare("SELECT absent FROM t"), 0, "no such column", "a.db");
+  expect_error(box.database->run("CREATE TABLE t (id INTEGER)"), 0, "already exists", "a.db");
   EXPECT_TRUE(box.insert(1));
   expect_error(box.insert(1), 0, "UNIQUE constraint failed", "a.db");
-  EXPECT_EQ(box.database.name(), box.folder.path("a.db"));
+  EXPECT_EQ(box.database->name(), box.folder.path("a.db"));
 }
 
 TEST(SqliteStore, OpensWhatIsADatabaseAndNothingElse) {
   const TemporaryFolder folder;
-  expect_error(SqlDatabase::open(folder.path("none.db"), false), 0, "there is no such file", "none.db");
-  expect_error(SqlDatabase::open(folder.path(), true), 0, "a folder; expected a history file");
-  expect_error(SqlDatabase::open(folder.path("no/such/place.db"), true), 0, "cannot be opened");
+  expect_error(SqlStore::open(folder.path("none.db"), false), 0, "there is no such file", "none.db");
+  expect_error(SqlStore::open(folder.path(), true), 0, "a folder; expected a history file");
+  expect_error(SqlStore::open(folder.path("no/such/place.db"), true), 0, "cannot be opened");
   const std::string text = folder.write("text.db", std::string(2000, 'x'));
-  expect_error(SqlDatabase::open(text, true), 0, "no SQLite database", "text.db");
+  expect_error(SqlStore::open(text, true), 0, "no SQLite database", "text.db");
   EXPECT_EQ(folder.read("text.db"), std::string(2000, 'x')) << "and leaves it as it was";
 }
 
 TEST(SqliteStore, KnowsWhetherItIsEmptyOrOurs) {
   const TemporaryFolder folder;
-  auto database = SqlDatabase::open(folder.path("a.db"), true).value();
-  SqlSchema schema = database.store().schema().value();
+  auto database = SqlStore::open(folder.path("a.db"), true).value();
+  SqlSchema schema = database->schema().value();
   EXPECT_TRUE(schema.empty);
   EXPECT_FALSE(schema.ours);
-  ASSERT_TRUE(database.run("CREATE TABLE other (id INTEGER)"));
-  schema = database.store().schema().value();
+  ASSERT_TRUE(database->run("CREATE TABLE other (id INTEGER)"));
+  schema = database->schema().value();
   EXPECT_FALSE(schema.empty || schema.ours) << "another program's";
-  ASSERT_TRUE(database.store().set_version(7));
-  schema = database.store().schema().value();
+  ASSERT_TRUE(database->set_version(7));
+  schema = database->schema().value();
   EXPECT_TRUE(schema.ours);
   EXPECT_EQ(schema.version, 7);
 }
