@@ -19,7 +19,7 @@ struct TofPosition;
 
 /// A run folder whose arrivals are too many to be held at once. They come in blocks of some
 /// thousands, in the order of the file, with the same checks as read_run() makes; all else is read when it is
-/// opened. Memory: a block, a few pieces of a quarter of a megabyte a thread, and the rows that are no
+/// opened. Memory: a block, eight pieces of a quarter of a megabyte a thread, and the rows that are no
 /// measurement (MeasurementLog::rejected).
 ///   auto stream = RunStream::open(folder, names, site.timing, {.threads = 2});
 ///   std::vector<Arrival> block;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "io/text/bounds.h"
+#include "models/support/parallel.h"
 
 namespace octant::io {
 namespace {
@@ -16,6 +17,7 @@ constexpr std::size_t kDigestBytes = std::size_t{1} << 20;  // at once
 constexpr std::size_t kNoSeam = std::string_view::npos;
 constexpr std::size_t kMostReserved = std::size_t{1} << 25;  // rows; a file of newlines seems to hold many
 constexpr std::size_t kBlockRows = 4096;                     // of the general way
+constexpr std::size_t kPiecesAThread = 8;                    // of a window
 
 }  // namespace
 
@@ -28,8 +30,6 @@ TofReader::TofReader(std::shared_ptr<const MappedFile> map, std::string file, co
       clock_(clock),
       options_(options),
       csv_(text_, file_, true) {}
-
-TofReader::~TofReader() { abandoned_ = true; }
 
 Result<void> TofReader::read_header() {
   csv_.read_header();
@@ -80,22 +80,27 @@ std::size_t TofReader::seam(std::size_t offset) const {
 }
 
 void TofReader::start() {
-  const std::size_t tasks =
-      general_ ? 0 : (text_.size() - body_ + options_.chunk_bytes - 1) / options_.chunk_bytes;
-  if (tasks <= 1) options_.threads = 1;
-  const std::size_t slots = OrderedWork::slots(options_.threads);
-  chunks_.resize(slots);
-  parsers_.assign(slots, TofChunkParser(csv_.header().size(), *columns_, names_, clock_));
-  work_.emplace(
-      tasks, options_.threads, [this](std::size_t task, std::size_t slot) { parse(task, slot); },
-      options_.threads > 1 && !options_.from ? std::function<void()>([this] { digest_rest(); })
-                                             : std::function<void()>());
+  pieces_ = chunk_count(text_.size() - body_, options_.chunk_bytes);
+  const std::size_t window =
+      options_.threads > 1 ? kPiecesAThread * static_cast<std::size_t>(options_.threads) : 1;
+  chunks_.resize(std::clamp<std::size_t>(pieces_, 1, window));
+  parsers_.assign(chunks_.size(), TofChunkParser(csv_.header().size(), *columns_, names_, clock_));
 }
 
-void TofReader::parse(std::size_t task, std::size_t slot) {
-  const std::size_t begin = seam(body_ + task * options_.chunk_bytes),
-                    end = seam(body_ + (task + 1) * options_.chunk_bytes);
-  if (options_.threads > 1) chunks_[slot].arrivals.clear();
+/// Parses the next pieces, as many as there are places for them, and digests their text beside.
+void TofReader::parse_window() {
+  const std::size_t count = std::min(chunks_.size(), pieces_ - piece_);
+  for_each_parallel(count + 1, options_.threads, [&](std::size_t i) {
+    if (i > 0) return parse(piece_ + i - 1, i - 1);
+    const std::size_t end = seam(body_ + (piece_ + count) * options_.chunk_bytes);
+    if (!options_.from && end != kNoSeam) digest_to(end);
+  });
+}
+
+void TofReader::parse(std::size_t piece, std::size_t slot) {
+  const std::size_t begin = seam(body_ + piece * options_.chunk_bytes),
+                    end = seam(body_ + (piece + 1) * options_.chunk_bytes);
+  if (chunks_.size() > 1) chunks_[slot].arrivals.clear();
   if (begin == kNoSeam || end == kNoSeam) {
     chunks_[slot].regular = false;
     return;
@@ -116,30 +121,27 @@ Result<bool> TofReader::append(std::vector<Arrival>& all) {
 
 Result<bool> TofReader::append_as_written(std::vector<Arrival>& all) {
   if (general_) return next_rows(all);
-  // The only thread puts the rows where they are to stay.
-  const bool alone = options_.threads <= 1;
-  const std::size_t first = alone ? all.size() : 0;
+  if (piece_ == pieces_) return false;
+  // A piece at a time is put where its rows are to stay.
+  const bool alone = chunks_.size() == 1;
+  const std::size_t first = alone ? all.size() : 0, slot = piece_ % chunks_.size();
   if (alone) chunks_[0].arrivals.swap(all);
-  const bool more = work_->wait();
-  TofChunk& chunk = chunks_[work_->slot()];
-  const bool taken = more && take(chunk, first);
+  if (slot == 0) parse_window();
+  TofChunk& chunk = chunks_[slot];
+  const bool taken = take(chunk, first);
   if (alone) {
-    if (more && !taken) chunk.arrivals.resize(first);
+    if (!taken) chunk.arrivals.resize(first);
     chunk.arrivals.swap(all);
   } else if (taken && all.empty() && all.capacity() <= chunk.arrivals.capacity()) {
     chunk.arrivals.swap(all);  // unless there is room for more to come
   } else if (taken) {
     all.insert(all.end(), chunk.arrivals.begin(), chunk.arrivals.end());
   }
-  if (!more) return false;
   if (taken) {
-    offset_ = seam(body_ + ++task_ * options_.chunk_bytes);
-    if (alone && !options_.from) digest_to(offset_);
+    offset_ = seam(body_ + ++piece_ * options_.chunk_bytes);
     give_back(offset_);
-    work_->release();
     return true;
   }
-  work_->stop();
   if (const auto ok = check_text(); !ok) return fail(ok.error());
   if (out_of_order_) return fail(first_error());
   general_ = true;
@@ -209,18 +211,13 @@ std::vector<std::string> TofReader::warnings() const {
 }
 
 std::string TofReader::sha256() {
-  work_->finish();
-  digest_rest();
-  return digest_.hex();
-}
-
-void TofReader::digest_rest() {
   const std::size_t size = map_->text().size();
-  while (!abandoned_ && digested_ < size) {
+  while (digested_ < size) {
     const std::size_t begin = digested_;
     digest_to(std::min(size, begin + kDigestBytes));
     map_->release(begin, digested_);
   }
+  return digest_.hex();
 }
 
 void TofReader::digest_to(std::size_t offset) {

@@ -3,7 +3,6 @@
 #pragma once
 // Private to io/: tof.csv as a sequence of blocks of arrivals.
 
-#include <atomic>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -12,7 +11,6 @@
 
 #include "io/text/mapped_file.h"
 #include "io/text/sha256.h"
-#include "io/tof/ordered_work.h"
 #include "io/tof/repeated_rows.h"
 #include "io/tof/tof_chunk.h"
 #include "io/tof/tof_rows.h"
@@ -38,17 +36,16 @@ struct TofReaderOptions {
   DistanceAsTime distance = {};
 };
 
-/// Reads tof.csv piece by piece: TofChunkParser takes the pieces, on several threads, while what goes beyond
-/// a piece (time, epochs, lines, refusals, the digest) is followed here in the order of the file. The first
-/// piece that the parser cannot settle, and all behind it, are read row by row by read_tof_row(). What comes
-/// out does not depend on threads or pieces.
+/// Reads tof.csv piece by piece: TofChunkParser takes some pieces at a time, on several threads, and what
+/// goes beyond a piece (time, epochs, lines, refusals, the digest) is followed here in the order of the file.
+/// The first piece that the parser cannot settle, and all behind it, are read row by row by read_tof_row().
+/// What comes out does not depend on threads or pieces.
 class TofReader {
  public:
   /// @param file   as messages name it
   /// @param names  must outlive the reader
   TofReader(std::shared_ptr<const MappedFile> map, std::string file, const NameLookup& names, Clock clock,
             TofReaderOptions options = {});
-  ~TofReader();
   TofReader(const TofReader&) = delete;
   TofReader& operator=(const TofReader&) = delete;
 
@@ -77,7 +74,8 @@ class TofReader {
  private:
   [[nodiscard]] std::size_t seam(std::size_t offset) const;
   void start();
-  void parse(std::size_t task, std::size_t slot);
+  void parse_window();
+  void parse(std::size_t piece, std::size_t slot);
   bool take(TofChunk& chunk, std::size_t first);
   Result<bool> next_rows(std::vector<Arrival>& block);
   Result<bool> append_as_written(std::vector<Arrival>& all);
@@ -85,7 +83,6 @@ class TofReader {
   [[nodiscard]] Error first_error() const;
   [[nodiscard]] Error text_error(const Error& otherwise) const;
   void digest_to(std::size_t offset);
-  void digest_rest();
   void give_back(std::size_t offset);
 
   std::shared_ptr<const MappedFile> map_;
@@ -101,17 +98,15 @@ class TofReader {
   RepeatedRows repeated_;
   std::size_t rows_ = 0;
   std::size_t body_ = 0, offset_ = 0;  // where the rows begin; where those begin that have not been given out
-  std::size_t task_ = 0;               // pieces given out
-  int line_ = 1;                       // of offset_
+  std::size_t pieces_ = 0, piece_ = 0;  // how many there are; how many have been given out
+  int line_ = 1;                        // of offset_
   std::size_t given_back_ = 0;
   bool general_ = false, out_of_order_ = false;
 
   Sha256 digest_;
   std::size_t digested_ = 0;
-  std::atomic<bool> abandoned_{false};
-  std::vector<TofChunk> chunks_;         // by slot
-  std::vector<TofChunkParser> parsers_;  // by slot
-  std::optional<OrderedWork> work_;      // last: its threads use the others
+  std::vector<TofChunk> chunks_;         // those that are parsed together, by their place among them
+  std::vector<TofChunkParser> parsers_;  // of each
 };
 
 }  // namespace octant::io

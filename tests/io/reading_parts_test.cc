@@ -1,9 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // What the reader of tof.csv is made of.
-#include <atomic>
 #include <set>
-#include <stdexcept>
 
 #include "io/text/atomic_file.h"
 #include "io/text/csv_marks.h"
@@ -11,7 +9,6 @@
 #include "io/text/name_index.h"
 #include "io/text/sha256.h"
 #include "io/tof/order_watch.h"
-#include "io/tof/ordered_work.h"
 #include "tests/io/io_support.h"
 
 namespace octant::io {
@@ -106,52 +103,6 @@ TEST(NumberSet, IsASet) {
     }
     for (std::int64_t n = -160; n < 260; ++n) RC_ASSERT(set.contains(n) == expected.contains(n));
   }));
-}
-
-TEST(OrderedWork, HandsOverInOrder) {
-  for (const int threads : {1, 2, 7}) {
-    std::vector<std::size_t> slots(OrderedWork::slots(threads));
-    std::atomic<int> done{0}, beside{0};
-    OrderedWork work(
-        100, threads, [&](std::size_t task, std::size_t slot) { slots[slot] = task * task, ++done; },
-        [&] { ++beside; });
-    for (std::size_t task = 0; task < 100; ++task) {
-      ASSERT_TRUE(work.wait());
-      EXPECT_EQ(slots[work.slot()], task * task);
-      work.release();
-      EXPECT_LE(static_cast<std::size_t>(done), task + 1 + slots.size()) << "never far ahead";
-    }
-    EXPECT_FALSE(work.wait());
-    work.finish();
-    EXPECT_EQ(done, 100);
-    EXPECT_EQ(beside, 1);
-  }
-}
-
-TEST(OrderedWork, StopsEarlyAndWithoutTasks) {
-  std::atomic<int> done{0}, beside{0};
-  {
-    OrderedWork work(1000, 3, [&](std::size_t, std::size_t) { ++done; });
-    ASSERT_TRUE(work.wait());
-  }
-  EXPECT_LE(done, 6 + 1) << "no more than there are slots for";
-  OrderedWork none(
-      0, 3, [&](std::size_t, std::size_t) {}, [&] { ++beside; });
-  EXPECT_FALSE(none.wait());
-  none.finish();
-  EXPECT_EQ(beside, 1);
-}
-
-TEST(OrderedWork, PassesOnWhatATaskThrows) {
-  for (const int threads : {1, 3}) {
-    OrderedWork work(10, threads, [](std::size_t task, std::size_t) {
-      if (task == 2) throw std::runtime_error("two");
-    });
-    const auto all = [&] {
-      while (work.wait()) work.release();
-    };
-    EXPECT_THROW(all(), std::runtime_error);
-  }
 }
 
 }  // namespace
