@@ -22,12 +22,11 @@ void add_common_options(CLI::App& app, CommonOptions& common) {
   app.add_flag("-q,--quiet", common.quiet, "No notes and no progress; warnings and errors stay");
   app.add_flag("-v,--verbose", common.verbose, "Say more: notes on standard error, all tables in results");
   add_option(app, "--progress", common.progress, "STYLE", "On standard error: auto, plain, json or none")
-      ->check(CLI::IsMember({"auto", "plain", "json", "none"}))
-      ->capture_default_str();
+      ->check(CLI::IsMember({"auto", "plain", "json", "none"}));
   add_option(app, "--threads", common.threads, "N", "Threads to use; 0: all cores")
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
-  add_option(app, "--seed", common.seed, "N", "Seed of everything random")->capture_default_str();
+  add_option(app, "--seed", common.seed, "N", "Seed of everything random");
 }
 
 void add_method_options(CLI::App& command, MethodArgs& args) {

@@ -19,12 +19,14 @@ class Session;
 /// What main() runs once the command line is parsed; a command's set-up puts it here.
 using Action = std::function<int(Session&)>;
 
-/// An option ("-o,--output") or, by a name without dashes, a positional argument. @param type  what --help
-/// shows for its value
+/// An option ("-o,--output") or, by a name without dashes, a positional argument. Its value now is the
+/// default, which --help tells unless it is nothing. @param type  what --help shows for its value
 template <class T>
 CLI::Option* add_option(CLI::App& command, const std::string& name, T& value, const std::string& type,
                         const std::string& help) {
   CLI::Option* option = command.add_option(name, value, help)->type_name(type);
+  if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>)
+    if (value != T{}) option->capture_default_str();
   // CLI11's ranges let pass what compares with nothing.
   if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::optional<double>>)
     option->check([](const std::string& text) {

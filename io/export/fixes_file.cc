@@ -23,7 +23,6 @@ class FixesReader {
   FixesReader(std::string_view text, const std::string& path) : csv_(text, path) {}
 
   Result<ExportedFixes> read() {
-    csv_.read_header();
     time_ = csv_.require("time_s");
     status_ = csv_.require("status");
     const char* names[] = {"x_m",

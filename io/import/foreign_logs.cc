@@ -232,7 +232,6 @@ Result<std::vector<CounterReading>> read_counter_log(const std::string& path, co
   const auto map = MappedFile::open(path);
   if (!map) return fail(map.error());
   CsvReader csv(map->text(), path);
-  csv.read_header();
   const int time = csv.require("time_s"), beacon = csv.require("beacon"), counts = csv.require("counts"),
             epoch = csv.find("epoch"), receiver = csv.find("receiver");
   const auto index_of = [&csv](int column, const std::vector<std::string>& known, const char* what,
@@ -277,7 +276,6 @@ Result<std::vector<PulseArrival>> read_pulse_log(const std::string& path) {
   const auto map = MappedFile::open(path);
   if (!map) return fail(map.error());
   CsvReader csv(map->text(), path);
-  csv.read_header();
   const int time = csv.require("time_s"), channel = csv.require("channel"),
             duration = csv.require("duration_s"), amplitude = csv.require("amplitude_v");
   std::vector<PulseArrival> pulses;

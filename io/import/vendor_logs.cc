@@ -286,8 +286,6 @@ Result<ImportedLog> read_crazyflie_log(const std::string& path, const VendorLogO
   if (!map) return fail(map.error());
   VendorRows rows(path, options);
   CsvReader csv(without_cut_row(map->text(), path, rows.log.warnings), path);
-  csv.read_header();
-  if (csv.error()) return fail(*csv.error());
   const int upper = csv.find("Timestamp"), time = upper >= 0 ? upper : csv.require("timestamp");
   const int state = csv.find("ranging.state");
   int distance[kAnchors];

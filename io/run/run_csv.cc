@@ -58,8 +58,6 @@ std::vector<int> range_columns(CsvReader& csv) {
 Result<void> parse_bearings(std::string_view text, const std::string& file, const NameLookup& names,
                             MeasurementLog& log) {
   CsvReader csv(text, file);
-  csv.read_header();
-  if (csv.error()) return fail(*csv.error());
   const int time = csv.require("time_s"), reflector = csv.require("reflector"),
             angle = csv.require("bearing_rad");
   const int epoch = csv.find("epoch"), vehicle = csv.find("vehicle");
@@ -132,8 +130,6 @@ class OdometryColumns {
 Result<void> parse_odometry(std::string_view text, const std::string& file, const NameLookup& names,
                             MeasurementLog& log) {
   CsvReader csv(text, file);
-  csv.read_header();
-  if (csv.error()) return fail(*csv.error());
   const int time = csv.require("time_s");
   const OdometryColumns columns(csv);
   const int vehicle = csv.find("vehicle");
@@ -159,8 +155,6 @@ Result<void> parse_odometry(std::string_view text, const std::string& file, cons
 Result<void> parse_scans(std::string_view text, const std::string& file, double range_max_m,
                          MeasurementLog& log) {
   CsvReader csv(text, file);
-  csv.read_header();
-  if (csv.error()) return fail(*csv.error());
   const int time = csv.require("time_s"), first = csv.require("angle_min_rad"),
             step = csv.require("angle_increment_rad");
   const std::vector<int> ranges = range_columns(csv);

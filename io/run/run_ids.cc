@@ -87,7 +87,6 @@ class IdReader {
     const auto map = MappedFile::open(path);
     if (!map) return fail(map.error());
     CsvReader csv(without_cut_row(map->text(), path, ids_.warnings), path);
-    csv.read_header();
     const int beacon = csv.require(what), vehicle = csv.find("vehicle"), receiver = csv.find("receiver");
     ids_.has_epochs = csv.find("epoch") >= 0 || ids_.has_epochs;
     ids_.has_amplitudes = csv.find("amplitude_v") >= 0 || csv.find("level_dbm") >= 0 || ids_.has_amplitudes;

@@ -118,8 +118,6 @@ Result<std::vector<TimedPose>> parse_points(std::string_view text, const std::st
                                             const NameLookup& names, MeasurementLog& log,
                                             PoseAccuracy& accuracy) {
   CsvReader csv(text, file);
-  csv.read_header();
-  if (csv.error()) return fail(*csv.error());
   const PointColumns columns(csv);
   if (csv.error()) return fail(*csv.error());
   VehicleId vehicle = log.vehicle;

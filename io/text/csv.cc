@@ -61,8 +61,9 @@ CsvReader::CsvReader(std::string_view text, std::string file, bool checked)
       begin_(text.data()),
       at_(without_bom(text).data()),
       end_(text.data() + text.size()) {
-  if (checked) return;
-  if (auto ok = check_lines(text, file_); !ok) error_ = ok.error();
+  if (!checked)
+    if (auto ok = check_lines(text, file_); !ok) error_ = ok.error();
+  if (!error_) read_header();
 }
 
 bool CsvReader::fail_at(int column, std::string found, std::string expected, std::string advice) {
@@ -150,7 +151,6 @@ void CsvReader::check_separator(std::string_view line) {
 }
 
 void CsvReader::read_header() {
-  if (error_) return;
   skip_comments();
   if (error_) return;
   if (at_ == end_) return fail_file(0, "the file is empty", "a header row with the names of the columns");

@@ -20,18 +20,17 @@ namespace octant::io {
 /// Walks over the rows of a CSV text once. Fields are views into the text: nothing is copied unless a field
 /// is in quotes and holds doubled ones. The text must outlive the reader.
 ///   CsvReader csv(text, "run/tof.csv");
-///   csv.read_header();  const int t = csv.require("time_s");  if (csv.error()) ...
+///   const int t = csv.require("time_s");
 ///   while (csv.next_row()) csv.number(t, ...);
 ///   if (csv.error()) ...
 /// The first error sticks; next_row() then returns false.
 class CsvReader {
  public:
+  /// Reads the header row. Refuses what is not UTF-8, empty files, other separators than the comma, columns
+  /// given twice.
   /// @param checked  the caller sees to it that the text is UTF-8
   CsvReader(std::string_view text, std::string file, bool checked = false);
 
-  /// Reads the header row. Refuses what is not UTF-8, empty files, other separators than the comma, columns
-  /// given twice.
-  void read_header();
   /// As messages name it.
   [[nodiscard]] const std::string& file() const { return file_; }
   [[nodiscard]] const std::vector<std::string>& header() const { return header_; }
@@ -84,6 +83,7 @@ class CsvReader {
   [[nodiscard]] std::string place() const;
 
  private:
+  void read_header();
   bool read_fields();
   const char* read_quoted(const char* at);
   bool check_count();

@@ -2,28 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/tof/order_watch.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 namespace octant::io {
-
-void NumberSet::insert(std::int64_t number) {
-  if (!intervals_.empty() && number <= intervals_.back().second) {
-    if (!contains(number)) others_.insert(number);
-  } else if (!intervals_.empty() && number == intervals_.back().second + 1) {
-    intervals_.back().second = number;
-  } else {
-    intervals_.emplace_back(number, number);
-  }
-}
-
-bool NumberSet::contains(std::int64_t number) const {
-  if (intervals_.empty() || number > intervals_.back().second) return false;
-  const auto after =
-      std::ranges::upper_bound(intervals_, number, {}, &decltype(intervals_)::value_type::first);
-  return (after != intervals_.begin() && number <= std::prev(after)->second) || others_.contains(number);
-}
 
 OrderWatch::OrderWatch(std::size_t vehicles, int time_column, int epoch_column)
     : time_column_(time_column),
@@ -32,10 +13,10 @@ OrderWatch::OrderWatch(std::size_t vehicles, int time_column, int epoch_column)
       finished_(vehicles) {}
 
 bool OrderWatch::begin_epoch(VehicleId vehicle, std::int64_t epoch) {
-  NumberSet& finished = finished_[vehicle.index()];
-  if (finished.contains(epoch)) return false;
+  auto& finished = finished_[vehicle.index()];
+  if (boost::icl::contains(finished, epoch)) return false;
   std::int64_t& current = current_[vehicle.index()];
-  if (current != kNoEpoch) finished.insert(current);
+  if (current != kNoEpoch) finished.add(current);
   current = epoch;
   return true;
 }

@@ -5,26 +5,15 @@
 
 #include <cstdint>
 #include <limits>
-#include <unordered_set>
-#include <utility>
 #include <vector>
+
+#include <boost/icl/interval_set.hpp>
 
 #include "io/text/csv.h"
 #include "models/ids.h"
 #include "models/run.h"
 
 namespace octant::io {
-
-/// A set of whole numbers that mostly come in increasing order: a few intervals then hold millions of them.
-class NumberSet {
- public:
-  void insert(std::int64_t number);
-  [[nodiscard]] bool contains(std::int64_t number) const;
-
- private:
-  std::vector<std::pair<std::int64_t, std::int64_t>> intervals_;  // first and last, increasing, apart
-  std::unordered_set<std::int64_t> others_;                       // what came too late for them
-};
 
 /// Watches that time does not decrease and that each epoch is one block for each vehicle.
 class OrderWatch {
@@ -51,7 +40,8 @@ class OrderWatch {
   int time_column_, epoch_column_;
   double last_time_s_ = -std::numeric_limits<double>::infinity();
   std::vector<std::int64_t> current_;  // by vehicle
-  std::vector<NumberSet> finished_;    // by vehicle
+  // By vehicle; millions of epochs that mostly come in increasing order are a few intervals.
+  std::vector<boost::icl::interval_set<std::int64_t>> finished_;
 };
 
 }  // namespace octant::io

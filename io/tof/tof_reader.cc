@@ -32,8 +32,6 @@ TofReader::TofReader(std::shared_ptr<const MappedFile> map, std::string file, co
       csv_(text_, file_, true) {}
 
 Result<void> TofReader::read_header() {
-  csv_.read_header();
-  if (csv_.error()) return fail(text_error(*csv_.error()));
   columns_.emplace(csv_, options_.distance);
   if (csv_.error()) return fail(text_error(*csv_.error()));
   order_.emplace(names_.names().vehicles.size(), columns_->time, columns_->epoch);
@@ -191,7 +189,6 @@ Result<bool> TofReader::next_rows(std::vector<Arrival>& block) {
 /// What is wrong with the order of the rows, by reading them from the beginning.
 Error TofReader::first_error() const {
   CsvReader csv(text_, file_, true);
-  csv.read_header();
   const TofColumns columns(csv, options_.distance);
   OrderWatch order(names_.names().vehicles.size(), columns.time, columns.epoch);
   Arrival arrival;

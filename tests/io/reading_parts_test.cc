@@ -8,7 +8,6 @@
 #include "io/text/mapped_file.h"
 #include "io/text/name_index.h"
 #include "io/text/sha256.h"
-#include "io/tof/order_watch.h"
 #include "tests/io/io_support.h"
 
 namespace octant::io {
@@ -89,20 +88,6 @@ TEST(NameIndex, FindsEachNameAndNoOther) {
                                                "the first eight --- the last eight"};
   EXPECT_EQ(NameIndex(alike).find(alike[1]), 1);
   EXPECT_EQ(NameIndex(alike).find("the first eight *** the last eight"), -1);
-}
-
-TEST(NumberSet, IsASet) {
-  EXPECT_TRUE(rc::check("against std::set", [] {
-    NumberSet set;
-    std::set<std::int64_t> expected;
-    std::int64_t next = 0;
-    for (int i = 0; i < 50; ++i) {
-      next += *rc::gen::element(1, 1, 1, 2, 5, -3, 0);
-      set.insert(next);
-      expected.insert(next);
-    }
-    for (std::int64_t n = -160; n < 260; ++n) RC_ASSERT(set.contains(n) == expected.contains(n));
-  }));
 }
 
 }  // namespace

@@ -194,8 +194,7 @@ void add_calibrate(CLI::App& app, CommonOptions& common, Action& action) {
   add_option(*command, "--memory-mb", args->options.memory_mb, "N",
              "Bound of the memory: recordings of stops or drives that would take more are read in chunks, "
              "several times")
-      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30))
-      ->capture_default_str();
+      ->check(CLI::Range(std::size_t{1}, std::size_t{1} << 30));
 }
 
 }  // namespace octant::app

@@ -126,7 +126,7 @@ void add_demo(CLI::App& app, CommonOptions& common, Action& action) {
       "Simulate a hall, calibrate it, localize in it, verify against truth, write a report",
       "octant demo -o /tmp/hall", run);
   *folder = "octant-demo";
-  add_option(*command, "-o,--output", *folder, "DIR", "Folder to make")->capture_default_str();
+  add_option(*command, "-o,--output", *folder, "DIR", "Folder to make");
 }
 
 }  // namespace octant::app

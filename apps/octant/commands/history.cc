@@ -256,7 +256,7 @@ void add_history(CLI::App& app, CommonOptions& common, Action& action) {
   history->require_subcommand(1);
   const auto command = [&](const char* name, const char* purpose, const char* example, HistoryCommand run) {
     CLI::App* sub = add_command(*history, common, name, purpose, example);
-    add_option(*sub, "--db", args->database, "FILE", "The history's file")->capture_default_str();
+    add_option(*sub, "--db", args->database, "FILE", "The history's file");
     set_action(*sub, args, action, run);
     return sub;
   };

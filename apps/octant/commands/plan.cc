@@ -33,16 +33,14 @@ void add_search_options(CLI::App& command, PlanArgs& args) {
       ->check(CLI::IsMember({"crs2", "direct", "isres", "esch", "none"}))
       ->capture_default_str();
   add_option(command, "--local", args.local, "A", "NLopt's local one: bobyqa, cobyla, sbplx or none")
-      ->check(CLI::IsMember({"bobyqa", "cobyla", "sbplx", "none"}))
-      ->capture_default_str();
+      ->check(CLI::IsMember({"bobyqa", "cobyla", "sbplx", "none"}));
   add_option(command, "--evaluations", args.evaluations, "N",
              "Layouts that each run of an algorithm may look at; 0: by their number of unknowns")
       ->check(CLI::Range(0, 10'000'000))
       ->capture_default_str();
   add_option(command, "--restarts", args.restarts, "N",
              "Random layouts from which searches set out too; fewer are faster")
-      ->check(CLI::Range(0, 10'000))
-      ->capture_default_str();
+      ->check(CLI::Range(0, 10'000));
   add_option(command, "--proof", args.proof, "N",
              "Compare numbers of beacons up to this with greedy, regular and random layouts")
       ->check(CLI::Range(1, 200));
@@ -58,17 +56,14 @@ void add_beacon_options(CLI::App& command, PlanArgs& args) {
              "Beacons that every place has to hear; else what a fix needs")
       ->check(CLI::Range(0, 100));
   add_option(command, "--most", args.most, "N", "With --tolerance: never more than these")
-      ->check(CLI::Range(1, 200))
-      ->capture_default_str();
+      ->check(CLI::Range(1, 200));
   command.add_flag("--keep", args.keep, "The site's beacons stay where they are; others are added");
   add_option(command, "--goal", args.goal, "G", "Expected error of a fix over the floor: worst, p95 or mean")
-      ->check(CLI::IsMember({"worst", "p95", "mean"}))
-      ->capture_default_str();
+      ->check(CLI::IsMember({"worst", "p95", "mean"}));
   add_search_options(command, args);
   add_option(command, "--mount-sigma", args.mount_sigma_m, "M",
              "How well the beacons will stand where the plan says, for the written site")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+      ->check(CLI::NonNegativeNumber);
   add_option(command, "-o,--output", args.output, "NEW_SITE.yaml",
              "Site file to write, with the new beacons; - is standard output");
   add_option(command, "--report", args.report, "R.html",
@@ -81,21 +76,17 @@ void add_station_options(CLI::App& command, PlanArgs& args) {
   add_option(command, "run", args.runs, "RUN", "Recordings that are there already (with a site file)");
   add_option(command, "--criterion", args.criterion, "C",
              "Of the beacons' coordinates: a (sum of variances) or d (volume of the ellipsoid)")
-      ->check(CLI::IsMember({"a", "d"}))
-      ->capture_default_str();
+      ->check(CLI::IsMember({"a", "d"}));
   add_option(command, "--grid", args.grid_m, "M",
              "Distance between the places tried; else by the floor's size")
       ->check(CLI::PositiveNumber);
   add_option(command, "--headings", args.headings, "N", "Headings tried at each place")
-      ->check(CLI::Range(1, 360))
-      ->capture_default_str();
+      ->check(CLI::Range(1, 360));
   add_option(command, "--clearance", args.clearance_m, "M",
              "Distance kept from the floor's edge and from obstacles")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
+      ->check(CLI::NonNegativeNumber);
   add_option(command, "--rounds", args.rounds, "N", "How often each beacon fires at a stop")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+      ->check(CLI::Range(1, 100000));
   add_option(command, "--range", args.range_m, "M",
              "Beacons are heard so far; else as the scene or the recordings have it")
       ->check(CLI::PositiveNumber);
@@ -112,11 +103,9 @@ void add_schedule_options(CLI::App& command, PlanArgs& args) {
       ->check(CLI::PositiveNumber);
   add_option(command, "--wall-reflection", args.wall_reflection, "R",
              "Share of the amplitude that a wall gives back")
-      ->check(CLI::Range(0.0, 0.9999))
-      ->capture_default_str();
+      ->check(CLI::Range(0.0, 0.9999));
   add_option(command, "--pulse", args.pulse_s, "S", "Length of a pulse in seconds")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+      ->check(CLI::PositiveNumber);
   command.add_flag("--trust-walls", args.trust_walls,
                    "Nothing is heard round walls and beams, echoes neither");
   command.add_flag("--by-time", args.by_time,

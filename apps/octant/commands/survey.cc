@@ -111,8 +111,7 @@ void add_survey(CLI::App& app, CommonOptions& common, Action& action) {
   add_option(*command, "--cell", args->cell_m, "M",
              "Size of a cell in metres, instead of the scene's cell_m");
   add_option(*command, "--failures", args->failures, "N", "How many beacons may fail at once")
-      ->check(CLI::Range(0, 2))
-      ->capture_default_str();
+      ->check(CLI::Range(0, 2));
   add_option(*command, "--bins", args->bins, "N",
              "With --json: values of every map, so many bins along the longer side");
 }

@@ -259,18 +259,19 @@ void add_convert(CLI::App& app, CommonOptions& common, Action& action) {
   const auto [command, args] = add_command<ConvertArgs>(
       app, common, action, "convert", "Make a run folder of another program's or device's log",
       "octant convert intel.clf -o intel", run);
-  args->format = "auto";
   add_required_option(
       *command, "input", args->input, "INPUT",
       "CARMEN log; ROS 2 bag (.mcap, .db3, or its folder); a kit's log; counter log (time_s, "
       "beacon, counts; epoch, receiver); pulse log (time_s, channel, duration_s, amplitude_v)");
   add_required_option(*command, "-o,--output", args->output, "RUN", "Run folder to write");
+  // Set behind it: which the default is, the words say.
   add_option(*command, "--format", args->format, "FORMAT",
              "auto, bag, carmen, counters, pulses, marvelmind (the dashboard's CSV), crazyflie (the "
              "client's CSV of two-way ranging) or dwm1001 (les or lec lines); auto: bag where it is one, "
              "counters where --site is given, else carmen")
       ->check(CLI::IsMember(
           {"auto", "bag", "carmen", "counters", "pulses", "marvelmind", "crazyflie", "dwm1001"}));
+  args->format = "auto";
   add_mapping_options(*command, *args);
   add_counter_options(*command, *args);
 }

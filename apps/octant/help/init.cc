@@ -51,14 +51,13 @@ void add_init(CLI::App& app, CommonOptions& common, Action& action) {
       add_command<InitArgs>(app, common, action, "init", "Write a commented site file to fill in",
                             "octant init hall/run -o hall.yaml\n  octant init --for uwb", init);
   add_option(*command, "run", args->run, "RUN", "Run folder: its beacons, vehicles and receivers are named");
-  add_option(*command, "-o,--output", args->output, "SITE.yaml", "Site file to write; - is standard output")
-      ->capture_default_str();
+  add_option(*command, "-o,--output", args->output, "SITE.yaml", "Site file to write; - is standard output");
   const std::map<std::string, SiteKind> kinds = {
       {"ultrasound", SiteKind::kUltrasound}, {"uwb", SiteKind::kUwb}, {"underwater", SiteKind::kUnderwater}};
   add_option(*command, "--for", args->kind, "KIND",
              "Typical values of: ultrasound (the default), uwb or underwater (sound)")
       ->transform(CLI::CheckedTransformer(kinds, CLI::ignore_case).description(""));
-  add_option(*command, "--name", args->name, "NAME", "Name of the site")->capture_default_str();
+  add_option(*command, "--name", args->name, "NAME", "Name of the site");
 }
 
 }  // namespace octant::app

@@ -298,17 +298,14 @@ void add_follow_options(CLI::App& command, FollowArgs& args) {
                    "fixes on standard output; SIGHUP reads the deployment anew");
   add_option(command, "--from", args.from, "SOURCE",
              "Where lines come from: - (standard input), /dev/ttyUSB0[:115200], tcp:PORT, udp:PORT (of "
-             "this machine)")
-      ->capture_default_str();
+             "this machine)");
   add_option(command, "--format", args.format, "F",
              "Of the fixes: json, nmea (0183) or ros (nav_msgs/Odometry as JSON)")
-      ->check(CLI::IsMember({"json", "nmea", "ros"}))
-      ->capture_default_str();
+      ->check(CLI::IsMember({"json", "nmea", "ros"}));
   add_option(command, "--origin", args.origin, "LAT,LON",
              "nmea: where the map's origin is, LATITUDE,LONGITUDE[,ALTITUDE]");
   add_option(command, "--north", args.north_deg, "DEG",
-             "nmea: direction of north in the map, degrees from +x towards +y")
-      ->capture_default_str();
+             "nmea: direction of north in the map, degrees from +x towards +y");
   add_option(command, "--odometry", args.odometry, "RUN.yaml",
              "How good the odometry is: a run.yaml, or a recording's folder, with a block odometry "
              "(octant schema run); left out: as for a recording that says nothing of it");

@@ -12,7 +12,6 @@ using Rows = std::vector<std::vector<std::string>>;
 
 Result<Rows> all_rows(const std::string& text) {
   CsvReader csv(text, "t.csv");
-  csv.read_header();
   Rows rows;
   while (csv.next_row()) {
     rows.emplace_back();
@@ -41,7 +40,6 @@ TEST(Csv, AcceptsMarksCommentsBlankLinesAndCrLf) {
 
 TEST(Csv, CountsLinesThroughCommentsBlankLinesAndQuotes) {
   CsvReader csv("# c\n\na,b\n\"x\ny\",2\n\n3,4\n", "t.csv");
-  csv.read_header();
   EXPECT_EQ(csv.line(), 3);
   ASSERT_TRUE(csv.next_row());
   EXPECT_EQ(csv.line(), 4);
@@ -68,7 +66,6 @@ TEST(Csv, SaysWhatIsWrongAndWhere) {
 
 TEST(Csv, NamesTheColumnOfAField) {
   CsvReader csv("a,b,c\n1,\"x\", oops\n", "t.csv");
-  csv.read_header();
   const int b = csv.require("b"), c = csv.require("c");
   ASSERT_TRUE(csv.next_row());
   double value = 0;
@@ -80,18 +77,15 @@ TEST(Csv, NamesTheColumnOfAField) {
 
 TEST(Csv, MissingColumnsSayWhatIsThere) {
   CsvReader csv("time_s,tof\n", "t.csv");
-  csv.read_header();
   EXPECT_EQ(csv.require("tof_s"), -1);
   EXPECT_THAT(csv.error()->message(), testing::HasSubstr("column 'tof_s' is missing (columns: time_s, tof)"));
   CsvReader headless("1.0,2.0\n", "t.csv");
-  headless.read_header();
   (void)headless.require("tof_s");
   EXPECT_THAT(headless.error()->message(), testing::HasSubstr("header row itself seems to be missing"));
 }
 
 TEST(Csv, AllMissingColumnsAreNamedAtOnceWithGuesses) {
   CsvReader csv("Timestamp,anchor,range_m,receiver\n", "t.csv");
-  csv.read_header();
   for (const char* name : {"time_s", "beacon", "tof_s"}) EXPECT_EQ(csv.require(name), -1);
   EXPECT_THAT(
       csv.error()->message(),
@@ -104,7 +98,6 @@ TEST(Csv, AllMissingColumnsAreNamedAtOnceWithGuesses) {
 
 TEST(Csv, WholeNumbers) {
   CsvReader csv("a,b,c,d\n7,-7,7.0,9223372036854775807\n", "t.csv");
-  csv.read_header();
   ASSERT_TRUE(csv.next_row());
   std::int64_t value = 0;
   EXPECT_TRUE(csv.integer(0, value) && value == 7);

@@ -45,7 +45,6 @@ TEST(NameLookup, ARowThatNamesNoneMeansTheOnlyOneOrTheRobot) {
 /// What is said of the first row's cells.
 std::string said(const NameTable& table, const std::string& text) {
   CsvReader csv(text, "run/tof.csv");
-  csv.read_header();
   const NameLookup names(table);
   BeaconId beacon;
   VehicleId vehicle;

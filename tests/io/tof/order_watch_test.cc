@@ -57,7 +57,6 @@ TEST(OrderWatch, AgreesWithSetsOfWhatHasEnded) {
 std::string said(const std::string& first, const std::string& second) {
   const std::string text = "time_s,epoch\n" + first + "\n" + second + "\n";
   CsvReader csv(text, "t.csv");
-  csv.read_header();
   OrderWatch watch(1, csv.find("time_s"), csv.find("epoch"));
   while (csv.next_row()) {
     double time_s = 0;

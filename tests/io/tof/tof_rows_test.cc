@@ -87,7 +87,6 @@ struct Read {
 };
 Read read(const std::string& text, const DistanceAsTime& as_time = {}) {
   CsvReader csv(text, "t.csv");
-  csv.read_header();
   const TofColumns columns(csv, as_time);
   const NameLookup names(kNames);
   OrderWatch order(1, columns.time, columns.epoch);
