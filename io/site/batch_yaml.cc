@@ -24,15 +24,12 @@ class BatchReader {
   }
 
   void read(YamlMap& root, Batch& batch) {
-    const std::vector<YamlNode> items = root.list("sites");
-    if (items.empty()) root.fail_missing("sites", "a list of sites");
-    for (std::size_t i = 0; i < items.size() && !log_.error; ++i) batch.sites.push_back(site(items[i], i));
+    root.each("sites", batch.sites, [this](YamlMap& map, BatchSite& site) { read_site(map, site); });
+    if (batch.sites.empty()) root.fail_missing("sites", "a list of sites");
   }
 
  private:
-  BatchSite site(const YamlNode& node, std::size_t number) {
-    YamlMap map(node, fmt::format("sites[{}]", number), log_);
-    BatchSite site;
+  void read_site(YamlMap& map, BatchSite& site) {
     const std::string file = map.required_text("site");
     site.name = map.text("name", file);
     site.site = below(inputs_, file);
@@ -42,8 +39,6 @@ class BatchReader {
       site.runs.push_back(below(inputs_, text_of(run, map.path("runs"), log_)));
     site.output = output(map, "output", map.required_text("output"));
     if (map.has("report")) site.report = output(map, "report", map.required_text("report"));
-    map.finish();
-    return site;
   }
 
   /// A path to write; an error where it is none, or where another site writes there.

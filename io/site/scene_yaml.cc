@@ -46,10 +46,7 @@ std::string id_of(YamlMap& map, const char* kind, std::size_t index) {
 
 void read_walls(YamlMap& root, const char* key, bool solid, Scene& scene, YamlLog& log) {
   std::size_t index = 0;
-  for (const YamlNode& node : root.list(key)) {
-    YamlMap map(node, fmt::format("{}[{}]", root.path(key), index), log);
-    SceneWall wall;
-    wall.line = node.line();
+  root.each(key, scene.walls, [&](YamlMap& map, SceneWall& wall) {
     wall.name = id_of(map, solid ? "O" : "W", index++);
     wall.points_m = required_points(map, log);
     wall.solid = solid;
@@ -59,16 +56,11 @@ void read_walls(YamlMap& root, const char* key, bool solid, Scene& scene, YamlLo
       wall.blocks_sound = map.boolean("blocks_sound", true);
       wall.blocks_vehicle = map.boolean("blocks_vehicle", true);
     }
-    map.finish();
-    scene.walls.push_back(std::move(wall));
-  }
+  });
 }
 
 void read_mounts(YamlMap& root, Scene& scene, YamlLog& log) {
-  for (const YamlNode& node : root.list("mounts")) {
-    YamlMap map(node, fmt::format("{}[{}]", root.path("mounts"), scene.mounts.size()), log);
-    SceneMount mount;
-    mount.line = node.line();
+  root.each("mounts", scene.mounts, [&](YamlMap& map, SceneMount& mount) {
     mount.name = id_of(map, "M", scene.mounts.size());
     if (!map.has("kind")) map.fail_missing("kind", "wall, ceiling or pole");
     mount.kind = map.choice<SceneMount::Kind>("kind",
@@ -84,16 +76,11 @@ void read_mounts(YamlMap& root, Scene& scene, YamlLog& log) {
       map.fail_missing("height_m", "[lowest, highest]");
     }
     mount.axis = read_axis(map, "[0, 0, -1]", log);
-    map.finish();
-    scene.mounts.push_back(std::move(mount));
-  }
+  });
 }
 
-void read_patterns(YamlMap& root, Scene& scene, YamlLog& log) {
-  for (const YamlNode& node : root.list("patterns")) {
-    YamlMap map(node, fmt::format("{}[{}]", root.path("patterns"), scene.patterns.size()), log);
-    BeamPattern pattern;
-    pattern.line = node.line();
+void read_patterns(YamlMap& root, Scene& scene) {
+  root.each("patterns", scene.patterns, [](YamlMap& map, BeamPattern& pattern) {
     pattern.name = map.required_text("id");
     if (!map.has("kind")) map.fail_missing("kind", "cone, cosine_power, half_power or table");
     using Kind = BeamPattern::Kind;
@@ -117,31 +104,22 @@ void read_patterns(YamlMap& root, Scene& scene, YamlLog& log) {
       pattern.angle_rad = map.numbers("angle_rad", 0, kNotNegative);
       pattern.gain = map.numbers("gain", 0, kFraction);
     }
-    map.finish();
-    scene.patterns.push_back(std::move(pattern));
-  }
+  });
 }
 
 void read_scene_beacons(YamlMap& root, Scene& scene, YamlLog& log) {
-  for (const YamlNode& node : root.list("beacons")) {
-    YamlMap map(node, fmt::format("{}[{}]", root.path("beacons"), scene.beacons.size()), log);
-    SceneBeacon beacon;
-    beacon.line = node.line();
+  root.each("beacons", scene.beacons, [&](YamlMap& map, SceneBeacon& beacon) {
     beacon.name = map.required_text("id");
     beacon.axis = read_axis(map, "[0, 0, -1]", log);
     beacon.pattern = read_pattern_name(map, "pattern", scene);
-    map.finish();
-    scene.beacons.push_back(std::move(beacon));
-  }
+  });
 }
 
 void read_routes(YamlMap& root, Scene& scene, YamlLog& log) {
-  for (const YamlNode& node : root.list("routes")) {
-    YamlMap map(node, fmt::format("{}[{}]", root.path("routes"), scene.routes.size()), log);
-    SceneRoute route{id_of(map, "R", scene.routes.size()), required_points(map, log), node.line()};
-    map.finish();
-    scene.routes.push_back(std::move(route));
-  }
+  root.each("routes", scene.routes, [&](YamlMap& map, SceneRoute& route) {
+    route.name = id_of(map, "R", scene.routes.size());
+    route.points_m = required_points(map, log);
+  });
 }
 
 void read_acoustics(YamlMap& root, Scene& scene, YamlLog& log) {
@@ -272,7 +250,7 @@ void read_block(YamlMap& root, Scene& scene, YamlLog& log) {
   read_walls(root, "walls", false, scene, log);
   read_walls(root, "obstacles", true, scene, log);
   read_mounts(root, scene, log);
-  read_patterns(root, scene, log);
+  read_patterns(root, scene);
   scene.beacon_pattern = read_pattern_name(root, "beacon_pattern", scene);
   scene.receiver_pattern = read_pattern_name(root, "receiver_pattern", scene);
   read_scene_beacons(root, scene, log);

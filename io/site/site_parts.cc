@@ -87,20 +87,14 @@ void read_beacons(YamlMap& root, Site& site, YamlLog& log) {
   if (!root.has("beacons"))
     root.fail_missing("beacons", "a list of beacons (beacons: [] where there are none)");
   UniqueIds ids("beacon", log);
-  for (const YamlNode& node : root.list("beacons")) {
-    if (log.error) return;
-    YamlMap map(node, fmt::format("beacons[{}]", site.beacons.size()), log);
-    SiteBeacon beacon;
-    beacon.line = node.line();
+  root.each("beacons", site.beacons, [&](YamlMap& map, SiteBeacon& beacon) {
     beacon.name = ids.take(map);
     if (const YamlNode at = map.block("position_m"); at.is_defined()) {
       beacon.position_m = read_coordinates(at, map.path("position_m"), kAnyNumber, log);
     }
     beacon.sigma_m = read_sigmas(map.block("sigma_m"), map.path("sigma_m"), log);
     read_own_delay(map, site.timing, beacon, log);
-    map.finish();
-    site.beacons.push_back(std::move(beacon));
-  }
+  });
 }
 
 }  // namespace octant::io

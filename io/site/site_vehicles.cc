@@ -39,13 +39,7 @@ void read_receivers(YamlMap& vehicle_map, VehicleId vehicle, Site& site, YamlLog
   const std::string name = vehicle_map.path("receivers");
   if (node.is_map()) return read_layout(node, name, vehicle, site, log);
   UniqueIds ids("receiver", log);
-  for (const YamlNode& item : list_of(node, name, log)) {
-    if (log.error) return;
-    YamlMap map(
-        item,
-        fmt::format("{}[{}]", name, site.receivers.size() - site.vehicles[vehicle.index()].first_receiver),
-        log);
-    SiteReceiver receiver;
+  vehicle_map.each("receivers", site.receivers, [&](YamlMap& map, SiteReceiver& receiver) {
     receiver.vehicle = vehicle;
     receiver.name = ids.take(map);
     const std::vector<double> at = map.numbers("position_m", 3);
@@ -56,9 +50,7 @@ void read_receivers(YamlMap& vehicle_map, VehicleId vehicle, Site& site, YamlLog
     }
     receiver.sigma_m = read_receiver_sigma(map, log);
     receiver.axis = read_axis(map, "[1, 0, 0]", log);
-    map.finish();
-    site.receivers.push_back(std::move(receiver));
-  }
+  });
 }
 
 /// array: {radius_sigma_m: 0.002, turn_sigma_rad: 0.02}: the receivers as one piece, adjusted by its radius
@@ -133,19 +125,15 @@ std::optional<Rail> read_rail(const YamlNode& node, const std::string& name, Yam
 
 void read_vehicles(YamlMap& root, Site& site, YamlLog& log) {
   UniqueIds ids("vehicle", log);
-  for (const YamlNode& node : root.list("vehicles")) {
-    if (log.error) return;
-    YamlMap map(node, fmt::format("vehicles[{}]", site.vehicles.size()), log);
-    const VehicleId vehicle(site.vehicles.size());
-    site.vehicles.push_back({ids.take(map, "robot"), site.receivers.size(), 0});
+  root.each("vehicles", site.vehicles, [&](YamlMap& map, SiteVehicle& vehicle) {
+    vehicle = {ids.take(map, "robot"), site.receivers.size(), 0};
     map.get("id");
-    read_receivers(map, vehicle, site, log);
-    site.vehicles.back().receiver_count = site.receivers.size() - site.vehicles.back().first_receiver;
-    read_array(map, site.vehicles.back(), site, log);
-    read_motion(map, site.vehicles.back(), log);
-    site.vehicles.back().rail = read_rail(map.block("rail"), map.path("rail"), log);
-    map.finish();
-  }
+    read_receivers(map, VehicleId(site.vehicles.size()), site, log);
+    vehicle.receiver_count = site.receivers.size() - vehicle.first_receiver;
+    read_array(map, vehicle, site, log);
+    read_motion(map, vehicle, log);
+    vehicle.rail = read_rail(map.block("rail"), map.path("rail"), log);
+  });
   if (site.vehicles.empty()) root.fail_missing("vehicles", "a list of at least one vehicle");
 }
 

@@ -174,10 +174,7 @@ BeaconId read_beacon_name(YamlMap& map, const char* key, const Site& site, YamlL
 
 void read_control(YamlMap& root, Site& site, YamlLog& log) {
   YamlMap control(root.block("control"), "control", log);
-  for (const YamlNode& node : control.list("distances")) {
-    if (log.error) return;
-    YamlMap map(node, fmt::format("control.distances[{}]", site.distances.size()), log);
-    ControlDistance distance;
+  control.each("distances", site.distances, [&](YamlMap& map, ControlDistance& distance) {
     distance.from = read_beacon_name(map, "from", site, log);
     distance.to = read_beacon_name(map, "to", site, log);
     if (distance.from.valid() && distance.from == distance.to) {
@@ -185,9 +182,7 @@ void read_control(YamlMap& root, Site& site, YamlLog& log) {
     }
     distance.distance_m = map.required_number("distance_m", kPositive);
     distance.sigma_m = map.required_number("sigma_m", kNotNegative);
-    map.finish();
-    site.distances.push_back(distance);
-  }
+  });
   control.finish();
 }
 

@@ -95,6 +95,19 @@ class YamlMap {
   /// Items of a list; empty where it is absent.
   std::vector<YamlNode> list(std::string_view key);
   std::vector<double> numbers(std::string_view key, std::size_t size, NumberRange range = kAnyNumber);
+  /// The mappings of a list, each by read(map, item) put behind those of `items`, to the first error.
+  template <class Item, class Read>
+  void each(std::string_view key, std::vector<Item>& items, const Read& read) {
+    const std::vector<YamlNode> nodes = list(key);
+    for (std::size_t i = 0; i < nodes.size() && !log_.error; ++i) {
+      YamlMap map(nodes[i], fmt::format("{}[{}]", path(key), i), log_);
+      Item item;
+      if constexpr (requires { item.line; }) item.line = nodes[i].line();
+      read(map, item);
+      map.finish();
+      items.push_back(std::move(item));
+    }
+  }
 
   template <class Enum>
   Enum choice(std::string_view key, const std::vector<std::pair<std::string, Enum>>& choices, Enum fallback) {
