@@ -56,6 +56,12 @@ void add_method_options(CLI::App& command, MethodArgs& args) {
       ->transform(CLI::CheckedTransformer(headings, CLI::ignore_case).description(""));
 }
 
+void add_trust_option(CLI::App& command, std::string& trusted_key) {
+  add_option(command, "--trusted-key", trusted_key, "PUB",
+             "Refuse a deployment that the owner of this public key did not sign")
+      ->envname("OCTANT_TRUSTED_KEY");
+}
+
 CLI::App* add_command(CLI::App& app, CommonOptions& common, const std::string& name,
                       const std::string& purpose, const std::string& example) {
   CLI::App* command = app.add_subcommand(name, purpose);

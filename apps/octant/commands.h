@@ -51,5 +51,7 @@ template <class Args>
 void add_common_options(CLI::App& app, CommonOptions& common);
 /// --method and what some of them take, of the commands that localize.
 void add_method_options(CLI::App& command, MethodArgs& args);
+/// --trusted-key, or OCTANT_TRUSTED_KEY in the environment.
+void add_trust_option(CLI::App& command, std::string& trusted_key);
 
 }  // namespace octant::app

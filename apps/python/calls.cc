@@ -11,7 +11,6 @@
 #include "apps/octant/interrupt.h"
 #include "apps/octant/session.h"
 #include "apps/octant/steps/revisiting.h"
-#include "apps/octant/steps/step_check.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/survey_input.h"
 #include "apps/octant/text/survey_text.h"

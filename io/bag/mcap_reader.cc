@@ -16,7 +16,7 @@
 
 #include "io/bag/bag.h"
 #include "io/bag/mcap_records.h"
-#include "io/text/mapped_file.h"
+#include "io/text/open_file.h"
 #include "io/text/text.h"
 
 namespace octant::io {

@@ -7,7 +7,7 @@
 #include "io/export/exported.h"
 #include "io/run/tum.h"
 #include "io/text/csv.h"
-#include "io/text/mapped_file.h"
+#include "io/text/open_file.h"
 #include "io/text/text.h"
 
 namespace octant::io {

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "io/history/migrations.h"
 #include "io/history/sql.h"
 
 namespace octant::io {

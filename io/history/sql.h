@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 
+#include "io/history/sql.h"
 #include "models/support/result.h"
 
 namespace octant::io {
@@ -122,5 +123,9 @@ class SqlTransaction {
   explicit SqlTransaction(SqlStore& store) : store_(&store) {}
   SqlStore* store_;
 };
+
+/// Brings an empty or older history to the tables of today, one version after the other, each whole or not at
+/// all. Errors: a newer history, a database of another program.
+[[nodiscard]] Result<void> migrate(SqlStore& store);
 
 }  // namespace octant::io

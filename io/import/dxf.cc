@@ -9,7 +9,7 @@
 
 #include "io/import/plan_import.h"
 #include "io/text/bounds.h"
-#include "io/text/mapped_file.h"
+#include "io/text/open_file.h"
 #include "io/text/text.h"
 
 namespace octant::io {

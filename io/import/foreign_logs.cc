@@ -10,7 +10,7 @@
 
 #include "io/text/bounds.h"
 #include "io/text/csv.h"
-#include "io/text/mapped_file.h"
+#include "io/text/open_file.h"
 #include "io/text/text.h"
 #include "io/tof/run_parts.h"
 

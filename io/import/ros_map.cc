@@ -7,7 +7,7 @@
 
 #include "io/import/plan_import.h"
 #include "io/text/bounds.h"
-#include "io/text/mapped_file.h"
+#include "io/text/open_file.h"
 #include "io/yaml/yaml_reader.h"
 
 namespace octant::io {

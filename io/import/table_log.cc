@@ -13,7 +13,7 @@
 #include "io/import/mapping_words.h"
 #include "io/run/last_row.h"
 #include "io/text/bounds.h"
-#include "io/text/mapped_file.h"
+#include "io/text/open_file.h"
 #include "io/text/text.h"
 #include "io/tof/run_parts.h"
 #include "io/tof/tof_columns.h"

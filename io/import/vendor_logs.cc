@@ -13,7 +13,7 @@
 #include "io/run/last_row.h"
 #include "io/text/bounds.h"
 #include "io/text/csv.h"
-#include "io/text/mapped_file.h"
+#include "io/text/open_file.h"
 #include "io/text/text.h"
 
 namespace octant::io {

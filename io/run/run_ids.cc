@@ -11,9 +11,9 @@
 #include <fmt/format.h>
 
 #include "io/run/last_row.h"
-#include "io/run/run_advice.h"
+#include "io/run/run_folder.h"
 #include "io/text/csv.h"
-#include "io/text/mapped_file.h"
+#include "io/text/open_file.h"
 
 namespace octant::io {
 namespace {

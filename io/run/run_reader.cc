@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 
 #include "io/run/last_row.h"
-#include "io/run/run_advice.h"
+#include "io/run/run_folder.h"
 #include "io/run/tum.h"
 #include "io/text/atomic_file.h"
 #include "io/text/bounds.h"

@@ -11,7 +11,7 @@
 #include "io/text/atomic_file.h"
 #include "io/tof/run_parts.h"
 #include "io/yaml/yaml_reader.h"
-#include "io/yaml/yaml_text.h"
+#include "io/yaml/yaml_writer.h"
 
 namespace octant::io {
 namespace {

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "io/yaml/yaml_reader.h"
-#include "io/yaml/yaml_text.h"
 #include "io/yaml/yaml_writer.h"
 
 namespace octant::io {

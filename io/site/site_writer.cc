@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "io/site/site_yaml.h"
-#include "io/yaml/yaml_text.h"
+#include "io/yaml/yaml_writer.h"
 
 namespace octant::io {
 namespace {

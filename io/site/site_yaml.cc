@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "io/site/site_parts.h"
-#include "io/text/mapped_file.h"
+#include "io/text/open_file.h"
 #include "io/yaml/yaml_reader.h"
 
 namespace octant::io {

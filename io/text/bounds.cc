@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "io/text/mapped_file.h"
+#include "io/text/open_file.h"
 #include "io/text/text.h"
 
 namespace octant::io {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "io/text/mapped_file.h"
+#include "io/text/open_file.h"
 #include "io/text/sha256.h"
 #include "io/tof/repeated_rows.h"
 #include "io/tof/tof_chunk.h"

@@ -35,4 +35,8 @@ class YamlWriter {
   std::unique_ptr<Emitter> emitter_;
 };
 
+/// A name as a YAML scalar: plain where every YAML reader takes it for a text, in double quotes otherwise
+/// ("no", "1e5", "a: b").
+[[nodiscard]] std::string yaml_text(std::string_view text);
+
 }  // namespace octant::io

@@ -224,9 +224,9 @@ class KilledWriters : public HistoryFolder {
     const std::size_t found = visits();
     EXPECT_GE(found, told);
     EXPECT_LE(found, told + static_cast<std::size_t>(kills));
-    auto beacons = database->prepare("SELECT count(*) FROM beacon");
-    ASSERT_TRUE(beacons && beacons->next());
-    EXPECT_EQ(beacons->integer(0), static_cast<std::int64_t>(3 * found)) << "whole or not at all";
+    auto beacons = (*database)->prepare("SELECT count(*) FROM beacon");
+    ASSERT_TRUE(beacons && (*beacons)->next());
+    EXPECT_EQ((*beacons)->integer(0), static_cast<std::int64_t>(3 * found)) << "whole or not at all";
     EXPECT_EQ(history({"add", file(2 + kills)}).exit, 0) << "and it goes on";
   }
 };

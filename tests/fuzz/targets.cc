@@ -28,7 +28,7 @@
 #include "io/site/scenario_yaml.h"
 #include "io/site/scene_yaml.h"
 #include "io/site/site_yaml.h"
-#include "io/text/mapped_file.h"
+#include "io/text/open_file.h"
 #include "io/tof/run_parts.h"
 #include "io/tof/tof_reader.h"
 #include "io/yaml/yaml_reader.h"

@@ -5,8 +5,8 @@
 
 #include "io/text/atomic_file.h"
 #include "io/text/csv_marks.h"
-#include "io/text/mapped_file.h"
 #include "io/text/name_index.h"
+#include "io/text/open_file.h"
 #include "io/text/sha256.h"
 #include "tests/io/io_support.h"
 

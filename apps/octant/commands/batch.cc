@@ -13,7 +13,7 @@
 #include "apps/octant/interrupt.h"
 #include "apps/octant/outputs.h"
 #include "apps/octant/ranks.h"
-#include "apps/octant/text/table.h"
+#include "apps/octant/text/layout.h"
 
 namespace octant::app {
 namespace {

@@ -15,10 +15,8 @@
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
 #include "apps/octant/progress.h"
-#include "apps/octant/steps/step_check.h"
 #include "apps/octant/steps/steps.h"
-#include "apps/octant/text/paragraph.h"
-#include "apps/octant/text/table.h"
+#include "apps/octant/text/layout.h"
 #include "calib/statements/hints.h"
 #include "io/site/site_yaml.h"
 

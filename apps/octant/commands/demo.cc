@@ -9,7 +9,7 @@
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
 #include "apps/octant/steps/reporting.h"
-#include "apps/octant/text/table.h"
+#include "apps/octant/text/layout.h"
 #include "io/deployment/deployment_json.h"
 #include "io/run/tum.h"
 #include "io/site/scenario_yaml.h"

@@ -12,7 +12,7 @@
 #include "apps/octant/commands/history_args.h"
 #include "apps/octant/outputs.h"
 #include "apps/octant/steps/reporting.h"
-#include "apps/octant/text/table.h"
+#include "apps/octant/text/layout.h"
 #include "io/deployment/deployment_json.h"
 #include "io/text/text.h"
 #include "models/support/utc_time.h"

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "apps/octant/commands/history_args.h"
-#include "apps/octant/text/table.h"
+#include "apps/octant/text/layout.h"
 #include "io/deployment/deployment_json.h"
 #include "models/support/utc_time.h"
 #include "survey/trend/site_trend.h"

@@ -8,7 +8,7 @@
 #include "apps/octant/progress.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/survey_input.h"
-#include "apps/octant/text/table.h"
+#include "apps/octant/text/layout.h"
 #include "io/site/site_beacons.h"
 #include "io/text/atomic_file.h"
 #include "io/text/bounds.h"

@@ -7,8 +7,8 @@
 
 #include "apps/octant/commands/plan.h"
 #include "apps/octant/survey_input.h"
-#include "apps/octant/text/schedule_text.h"
-#include "apps/octant/text/table.h"
+#include "apps/octant/text/layout.h"
+#include "apps/octant/text/survey_text.h"
 #include "survey/schedule/floor_schedule.h"
 
 namespace octant::app {

@@ -11,7 +11,7 @@
 #include "apps/octant/progress.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/survey_input.h"
-#include "apps/octant/text/table.h"
+#include "apps/octant/text/layout.h"
 #include "calib/plan/stations.h"
 #include "io/text/atomic_file.h"
 #include "io/text/text.h"

@@ -10,9 +10,8 @@
 #include "apps/octant/interrupt.h"
 #include "apps/octant/outputs.h"
 #include "apps/octant/steps/reporting.h"
-#include "apps/octant/steps/trusted.h"
 #include "apps/octant/text/changes_text.h"
-#include "apps/octant/text/table.h"
+#include "apps/octant/text/layout.h"
 #include "apps/octant/text/validity_words.h"
 
 namespace octant::app {

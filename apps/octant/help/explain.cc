@@ -4,7 +4,7 @@
 
 #include "apps/octant/help/glossary.h"
 #include "apps/octant/help/help.h"
-#include "apps/octant/text/paragraph.h"
+#include "apps/octant/text/layout.h"
 
 namespace octant::app {
 namespace {

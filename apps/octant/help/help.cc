@@ -9,7 +9,7 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
-#include "apps/octant/text/paragraph.h"
+#include "apps/octant/text/layout.h"
 #include "io/text/text.h"
 
 namespace octant::app {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "io/yaml/yaml_text.h"
+#include "io/yaml/yaml_writer.h"
 
 namespace octant::app {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "apps/octant/help/glossary.h"
 #include "apps/octant/options.h"
-#include "apps/octant/text/paragraph.h"
+#include "apps/octant/text/layout.h"
 #include "apps/octant/text/report_json.h"
 #include "io/deployment/deployment_json.h"
 

@@ -13,8 +13,7 @@
 #include "apps/octant/progress.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/text/changes_text.h"
-#include "apps/octant/text/paragraph.h"
-#include "apps/octant/text/table.h"
+#include "apps/octant/text/layout.h"
 #include "apps/octant/text/validity_words.h"
 #include "io/deployment/deployment_json.h"
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "apps/octant/steps/steps.h"
-#include "apps/octant/text/paragraph.h"
+#include "apps/octant/text/layout.h"
 
 namespace octant::app {
 

@@ -8,11 +8,22 @@
 
 #include "apps/octant/interrupt.h"
 #include "apps/octant/steps/steps.h"
-#include "apps/octant/text/paragraph.h"
-#include "apps/octant/text/table.h"
+#include "apps/octant/text/layout.h"
+#include "io/deployment/deployment_json.h"
+#include "io/deployment/signature.h"
+#include "io/text/bounds.h"
 #include "models/changes/chi_square.h"
 
 namespace octant::app {
+
+Result<Deployment> read_trusted_deployment(const std::string& path, const std::string& trusted_key) {
+  if (trusted_key.empty()) return io::read_deployment(path);
+  // Read once: what was checked is what is used.
+  const auto text = io::read_document(path);
+  if (!text) return fail(text.error());
+  if (auto genuine = io::check_signature(*text, path, trusted_key); !genuine) return fail(genuine.error());
+  return io::deployment_from_json(*text, path);
+}
 
 void warn_of_repeated_runs(const std::vector<std::string>& folders, Session& session) {
   for (std::size_t i = 0; i < folders.size(); ++i)

@@ -7,8 +7,7 @@
 #include <fmt/format.h>
 
 #include "apps/octant/steps/reporting.h"
-#include "apps/octant/text/paragraph.h"
-#include "apps/octant/text/table.h"
+#include "apps/octant/text/layout.h"
 
 namespace octant::app {
 namespace {

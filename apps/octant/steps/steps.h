@@ -14,7 +14,6 @@
 #include "calib/calibrate.h"
 #include "io/run/run_folder.h"
 #include "models/deployment.h"
-#include "models/fix.h"
 #include "models/localizers/methods.h"
 #include "models/localizers/speed/run_speed.h"
 #include "models/run.h"
@@ -23,7 +22,6 @@
 #include "survey/evaluate.h"
 #include "survey/report/report.h"
 
-// The steps of the road, shared by the commands that walk a part of it and by the demo that walks all of it.
 namespace octant::app {
 
 class ProgressReporter;
@@ -36,6 +34,11 @@ void check_output(const std::string& path);
 [[nodiscard]] inline double constant_speed_mps(const Medium& medium) {
   return medium.model == MediumModel::kConstant ? medium.speed_mps : 0.0;
 }
+
+/// A deployment; with a trusted key only one that its owner signed. Failures: those of reading, of an
+/// unsigned one, of another key.
+[[nodiscard]] Result<Deployment> read_trusted_deployment(const std::string& path,
+                                                         const std::string& trusted_key);
 
 /// A recording that is named twice makes sigmas smaller than they are.
 void warn_of_repeated_runs(const std::vector<std::string>& folders, Session& session);
@@ -175,5 +178,20 @@ void check_truth(const std::vector<MeasurementLog>& runs);
 /// Why no fix could be held against the reference: there was none, and for what reasons, or none where the
 /// reference is.
 [[nodiscard]] std::string unmatched_text(const Localization& localization);
+
+struct CheckArgs {
+  std::string site;
+  std::vector<std::string> runs;
+  bool strict = false;  ///< a single undetermined beacon is exit 5
+};
+/// All of `octant check` behind its words.
+int check_recordings(const CheckArgs& args, Session& session);
+
+/// Why arrivals may give no fix at all, a sentence each: tof_s in another unit than seconds (as calibrate and
+/// monitor judge it); rows without an epoch of which no two beacons' come together; one epoch for all.
+/// @param rows          of a recording, or the first ones of a stream
+/// @param pose_by_pose  each pose hangs on its own arrivals: epochs matter
+[[nodiscard]] std::vector<std::string> doubts_about(const Deployment& deployment, const MeasurementLog& rows,
+                                                    bool pose_by_pose);
 
 }  // namespace octant::app

@@ -7,8 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "apps/octant/text/paragraph.h"
-#include "apps/octant/text/table.h"
+#include "apps/octant/text/layout.h"
 #include "survey/changes.h"
 
 namespace octant::app {

@@ -28,4 +28,10 @@ namespace octant::app {
 /// What it may write.
 [[nodiscard]] std::vector<std::string> map_files(const survey::Survey& survey, const std::string& folder);
 
+/// Slot, cycle, groups, silence and hall of a firing schedule.
+[[nodiscard]] Json schedule_json(const survey::FloorSchedule& schedule, const survey::SurveyModel& model);
+
+/// Slots with their beacons as a table, and the cycle.
+[[nodiscard]] std::string slots_text(const survey::FloorSchedule& schedule, const survey::SurveyModel& model);
+
 }  // namespace octant::app

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "apps/octant/text/table.h"
+#include "apps/octant/text/layout.h"
 #include "io/deployment/deployment_json.h"
 #include "models/support/utc_time.h"
 #include "models/validity.h"

@@ -6,8 +6,11 @@
 #include <iterator>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
+
+#include "survey/geometry/quantity.h"
 
 namespace octant::app {
 
@@ -41,5 +44,18 @@ template <class Reasons>
 [[nodiscard]] std::string counts_in_words(const Reasons& counts) {
   return joined(counts, ", ", [](const auto& c) { return fmt::format("{} {}", c.second, c.first); });
 }
+
+/// Columns of text for people.
+struct Table {
+  std::string align;                           ///< a letter for each column: l or r
+  std::vector<std::vector<std::string>> rows;  ///< the first is the heading
+  [[nodiscard]] std::string text() const;
+};
+
+using survey::length_text;
+using survey::length_unit;
+using survey::time_text;
+using survey::time_unit;
+using survey::Unit;
 
 }  // namespace octant::app

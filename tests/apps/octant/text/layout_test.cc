@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/octant/text/paragraph.h"
-
 #include <sstream>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
+
+#include "apps/octant/text/layout.h"
 
 namespace octant::app {
 namespace {
@@ -71,4 +71,29 @@ TEST(NamedLine, BeginsBehindItsName) {
 }
 
 }  // namespace
+
+namespace {
+
+TEST(Table, ColumnsAreAsWideAsTheirWidestCell) {
+  const Table table{"lr", {{"beacon", "x [m]"}, {"B1", "10.25"}, {"Süd-Ost", "-3"}}};
+  EXPECT_EQ(table.text(),
+            "beacon   x [m]\n"
+            "B1       10.25\n"
+            "Süd-Ost     -3\n")
+      << "two blanks between them; characters count, not bytes";
+}
+
+TEST(Table, NoLineEndsWithBlanks) {
+  const Table table{"lll", {{"a", "b", "c"}, {"long word", "", ""}, {"", "x", ""}}};
+  std::istringstream lines(table.text());
+  for (std::string line; std::getline(lines, line);) EXPECT_FALSE(line.ends_with(' ')) << line;
+}
+
+TEST(Table, RowsMayBeShortOrTooLong) {
+  EXPECT_EQ((Table{"ll", {{"a"}, {}, {"b", "c", "d"}}}).text(), "a\n\nb  c\n");
+  EXPECT_EQ(Table{}.text(), "");
+}
+
+}  // namespace
+
 }  // namespace octant::app

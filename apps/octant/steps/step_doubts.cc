@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/octant/steps/doubts.h"
+#include "apps/octant/steps/steps.h"
 
 #include <algorithm>
 #include <set>

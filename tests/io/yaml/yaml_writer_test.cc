@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "io/yaml/yaml_text.h"
+#include "io/yaml/yaml_writer.h"
 
 #include "io/yaml/yaml_node.h"
 #include "tests/io/io_support.h"
