@@ -1,12 +1,10 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <new>
 #include <string_view>
 #include <system_error>
-#include <vector>
 
 #ifdef __GLIBC__
 #include <malloc.h>

@@ -3,7 +3,6 @@
 #include "io/bag/cdr.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace octant::io {
 

@@ -3,10 +3,8 @@
 // MCAP, version 0 (mcap.dev/spec), read from the front to the end of its data section: what a recorder that
 // was killed left is read as far as it goes.
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <memory>
-#include <optional>
 #include <unordered_map>
 
 #include <fmt/format.h>

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "models/fix.h"
 #include "models/physics/pose.h"
 
@@ -41,6 +43,9 @@ inline constexpr std::string_view kRosRange = "sensor_msgs/msg/Range",
                                   kRosOdometry = "nav_msgs/msg/Odometry",
                                   kRosTransforms = "tf2_msgs/msg/TFMessage";
 
+/// A pose's covariance as ROS has it: place in the map, small rotations about its axes. Ours turn about the
+/// vehicle's; of a planar pose, what lies out of the plane is held.
+[[nodiscard]] Eigen::Matrix<double, 6, 6> covariance_in_map(const PoseCovariance& covariance, const Pose& T);
 /// The other way. @param covariance  row by row: x, y, z, rotations about the frame's axes
 [[nodiscard]] std::string ros_pose(std::int64_t stamp_ns, std::string_view frame, const Pose& T);
 [[nodiscard]] std::string ros_pose_with_covariance(std::int64_t stamp_ns, std::string_view frame,

@@ -367,9 +367,8 @@ Result<Deployment> read_deployment(const std::string& path) {
                  .found = "this is a folder",
                  .expected = "a deployment file, which stands before the run folders",
                  .advice = "octant calibrate makes one"});
-  const Result<std::string> text = read_document(path);
-  if (!text) return fail(text.error());
-  return deployment_from_json(*text, path);
+  return read_document(path).and_then(
+      [&path](const std::string& text) { return deployment_from_json(text, path); });
 }
 
 }  // namespace octant::io

@@ -235,11 +235,9 @@ std::string digest_of(nlohmann::json json) {
 }
 
 Result<std::string> deployment_digest(const std::string& path) {
-  const auto text = read_document(path);
-  if (!text) return fail(text.error());
-  const auto json = parse_json(*text, path);
-  if (!json) return fail(json.error());
-  return digest_of(*json);
+  return read_document(path)
+      .and_then([&path](const std::string& text) { return parse_json(text, path); })
+      .map(digest_of);
 }
 
 std::string deployment_to_json(const Deployment& deployment) { return text_of(content_of(deployment)); }
@@ -256,9 +254,9 @@ Result<std::string> checked_deployment_json(const std::string& path, const Deplo
 }
 
 Result<void> write_deployment(const std::string& path, const Deployment& deployment) {
-  const auto text = checked_deployment_json(path, deployment);
-  if (!text) return fail(text.error());
-  return write_file(path, *text);
+  return checked_deployment_json(path, deployment).and_then([&path](const std::string& text) {
+    return write_file(path, text);
+  });
 }
 
 }  // namespace octant::io

@@ -5,7 +5,6 @@
 #ifdef OCTANT_POSTGRESQL
 
 #include <charconv>
-#include <cstdlib>
 #include <vector>
 
 #include <fmt/format.h>

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
 
 #include "io/deployment/deployment_digest.h"
 #include "io/deployment/deployment_json.h"
@@ -84,9 +83,7 @@ Result<Visit> visit_of(const std::string& text, const std::string& file) {
 }
 
 Result<Visit> read_visit(const std::string& path) {
-  const auto text = read_document(path);
-  if (!text) return fail(text.error());
-  return visit_of(*text, path);
+  return read_document(path).and_then([&path](const std::string& text) { return visit_of(text, path); });
 }
 
 }  // namespace octant::io

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "io/bag/ros_messages.h"
+
 namespace octant::io {
 namespace {
 
@@ -103,20 +105,7 @@ std::string fix_as_ros(const Fix& fix, const NameTable& names) {
   const double sec = std::floor(fix.time_s);
   const Eigen::Vector3d& p = fix.T_map_vehicle.translation_m;
   const Eigen::Quaterniond& q = fix.T_map_vehicle.rotation;
-  // x, y, z, rotations about x, y, z: of a planar pose, what lies out of the plane is held.
-  Eigen::Matrix<double, 6, 6> C = Eigen::Matrix<double, 6, 6>::Zero();
-  if (fix.covariance.rows() == 6) {
-    C = fix.covariance;
-    const Eigen::Matrix3d R =
-        q.toRotationMatrix();  // rotations of the tangent are in the vehicle frame, those of ROS in the map's
-    C.topRightCorner<3, 3>() = (C.topRightCorner<3, 3>() * R.transpose()).eval();
-    C.bottomLeftCorner<3, 3>() = (R * C.bottomLeftCorner<3, 3>()).eval();
-    C.bottomRightCorner<3, 3>() = (R * C.bottomRightCorner<3, 3>() * R.transpose()).eval();
-  } else {
-    constexpr int at[] = {0, 1, 5};
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) C(at[i], at[j]) = fix.covariance(i, j);
-  }
+  const Eigen::Matrix<double, 6, 6> C = covariance_in_map(fix.covariance, fix.T_map_vehicle);
   std::string line = fmt::format(
       "{{\"header\":{{\"stamp\":{{\"sec\":{},\"nanosec\":{}}},\"frame_id\":\"map\"}},\"child_frame_id\":{},"
       "\"pose\":{{\"pose\":{{\"position\":{{\"x\":{:.6f},\"y\":{:.6f},\"z\":{:.6f}}},"

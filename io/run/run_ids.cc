@@ -3,7 +3,6 @@
 #include "io/run/run_ids.h"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <map>
 #include <set>

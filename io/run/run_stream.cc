@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/run/run_stream.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "io/run/run_reader.h"

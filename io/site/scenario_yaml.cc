@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/site/scenario_yaml.h"
 
-#include <cmath>
 #include <utility>
 
 #include "io/site/site_parts.h"
@@ -171,9 +170,8 @@ Result<Scenario> scenario_from_yaml(std::string_view text, const std::string& fi
 }
 
 Result<Scenario> read_scenario(const std::string& path) {
-  auto text = read_document(path);
-  if (!text) return fail(text.error());
-  return scenario_from_yaml(*text, path);
+  return read_document(path).and_then(
+      [&path](const std::string& text) { return scenario_from_yaml(text, path); });
 }
 
 }  // namespace octant::io

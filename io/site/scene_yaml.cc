@@ -291,15 +291,13 @@ Result<std::optional<Scene>> read_site_scene(const std::string& site_path) {
   const YamlNode block = map.block("scene");
   if (log.error) return fail(*log.error);
   if (!block.is_defined()) return std::optional<Scene>();
-  auto scene = scene_of(block, "scene", site_path);
-  if (!scene) return fail(scene.error());
-  return std::optional<Scene>(std::move(*scene));
+  return scene_of(block, "scene", site_path).map([](Scene&& scene) {
+    return std::optional(std::move(scene));
+  });
 }
 
 Result<Scene> read_scene(const std::string& path) {
-  const auto root = read_yaml(path);
-  if (!root) return fail(root.error());
-  return scene_of(*root, "", path);
+  return read_yaml(path).and_then([&path](const YamlNode& root) { return scene_of(root, "", path); });
 }
 
 }  // namespace octant::io

@@ -3,7 +3,6 @@
 #include "io/site/site_yaml.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <system_error>
 
@@ -264,9 +263,9 @@ Result<Site> read_site(const std::string& path) {
                  .advice = "to hold a recording against a deployment: octant monitor, or verify where the "
                            "poses are known; to carry it over "
                            "to a new recording: octant recalibrate"});
-  const Result<YamlNode> root = parse_yaml(text, path);
-  if (!root) return fail(root.error());
-  return site_from_yaml(*root, path);
+  return parse_yaml(text, path).and_then([&path](const YamlNode& root) {
+    return site_from_yaml(root, path);
+  });
 }
 
 }  // namespace octant::io

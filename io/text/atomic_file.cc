@@ -159,19 +159,13 @@ Result<void> write_files(const std::vector<FileContent>& files) {
 }
 
 Result<void> write_file(const std::string& path, std::string_view content) {
-  const auto to = destination_of(path);
-  if (!to) return fail(to.error());
-  if (to->kind == Destination::Kind::kStdout) return write_to_stdout(content);
-  if (to->kind == Destination::Kind::kInPlace) return write_in_place(path, content);
-  StagedFile file(path, to->target);
-  if (auto written = file.write(to->mode, content); !written) return written;
-  return file.put_in_place();
+  return write_files({{path, std::string(content)}});
 }
 
 Result<std::string> read_file(const std::string& path, std::size_t max_bytes) {
-  const auto file = open_regular(path, max_bytes);
-  if (!file) return fail(file.error());
-  return read_all(*file, path);
+  return open_regular(path, max_bytes).and_then([&path](const OpenFile& file) {
+    return read_all(file, path);
+  });
 }
 
 std::string sha256_hex(std::string_view bytes) {

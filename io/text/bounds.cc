@@ -3,7 +3,6 @@
 #include "io/text/bounds.h"
 
 #include <algorithm>
-#include <optional>
 
 #include <fmt/format.h>
 

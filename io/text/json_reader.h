@@ -4,7 +4,6 @@
 // Private to io/: typed access to a JSON document, in the manner of yaml_reader.h. Include it from .cc files
 // only.
 
-#include <array>
 #include <optional>
 #include <string>
 #include <string_view>

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <numeric>
 
 #include <fast_float/fast_float.h>
 #include <fmt/format.h>

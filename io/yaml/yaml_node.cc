@@ -298,9 +298,9 @@ Result<YamlNode> parse_yaml(std::string_view text, const std::string& file) {
 }
 
 Result<YamlNode> read_yaml(const std::string& path) {
-  const auto text = read_file(path, kLargestYaml);
-  if (!text) return fail(text.error());
-  return parse_yaml(*text, path);
+  return read_file(path, kLargestYaml).and_then([&path](const std::string& text) {
+    return parse_yaml(text, path);
+  });
 }
 
 }  // namespace octant::io

@@ -9,7 +9,6 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "io/text/bounds.h"
 #include "models/support/result.h"

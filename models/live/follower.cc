@@ -186,6 +186,7 @@ void Follower::flush_pings() {
 }
 
 void Follower::carry_on(const Follower& before) {
+  counts_ = before.counts_;
   const NameTable names = names_of(before.deployment_);
   for (std::size_t v = 0; v < lanes_.size(); ++v) {
     const auto at = std::ranges::find(names.vehicles, deployment_.vehicles[v].name);

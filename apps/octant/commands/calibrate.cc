@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/calibrate.h"
 
-#include <cmath>
-#include <memory>
-
 #include <fmt/format.h>
 
 #include "apps/octant/commands.h"

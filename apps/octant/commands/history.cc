@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cstdlib>
 #include <ctime>
 #include <memory>
 #include <set>

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/octant/commands/plan.h"
 
-#include <memory>
-
 #include "apps/octant/commands.h"
 
 namespace octant::app {

@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/map/survey.h"
 
-#include <memory>
-
 #include <fmt/format.h>
 
 #include "apps/octant/commands.h"

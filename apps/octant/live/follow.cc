@@ -8,7 +8,6 @@
 #include <csignal>
 #include <map>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -109,9 +108,8 @@ class FollowLoop {
     return {};
   }
 
-  [[nodiscard]] std::string summary() {
-    add_counts();
-    const FollowCounts& c = counts_;
+  [[nodiscard]] std::string summary() const {
+    const FollowCounts& c = engine_->follower.counts();
     std::string text =
         fmt::format("{:<17}{}, {} times no fix\n{:<17}{} used, {} left out\n{:<17}{}\n", "fixes", c.fixes,
                     c.no_fix, "arrivals", c.used, c.rejected, "odometry rows", c.odometry_rows);
@@ -171,7 +169,6 @@ class FollowLoop {
   void go_on_with(std::unique_ptr<Engine> engine) {
     engine_->follower.flush();
     engine->follower.carry_on(engine_->follower);
-    add_counts();
     engine_ = std::move(engine);
   }
 
@@ -200,20 +197,6 @@ class FollowLoop {
                     found->arrivals, found->offset_mps, found->sigma_mps));
   }
 
-  void add_counts() {
-    const FollowCounts& c = engine_->follower.counts();
-    counts_.arrivals += c.arrivals;
-    counts_.odometry_rows += c.odometry_rows;
-    counts_.fixes += c.fixes;
-    counts_.no_fix += c.no_fix;
-    counts_.used += c.used;
-    counts_.rejected += c.rejected;
-    counts_.refused += c.refused;
-    counts_.dropped += c.dropped;
-    counts_.alarms += c.alarms;
-    counts_.restarts += c.restarts;
-  }
-
   void take(std::string_view text) {
     ++lines_;
     const auto row = engine_->reader.row(text);
@@ -239,7 +222,7 @@ class FollowLoop {
     if (doubted_) return;
     doubted_ = true;
     const bool pose_by_pose = options_.method == Method::kAuto || options_.method == Method::kLeastSquares;
-    if (counts_.fixes + engine_->follower.counts().fixes == 0)
+    if (engine_->follower.counts().fixes == 0)
       for (const std::string& doubt : doubts_about(engine_->follower.deployment(), first_, pose_by_pose))
         session_.warn("not a single fix so far: " + doubt);
     first_ = {};
@@ -279,7 +262,6 @@ class FollowLoop {
   BadLines bad_;
   MeasurementLog first_;  ///< rows, until they have been looked at
   bool doubted_ = false;
-  FollowCounts counts_;
   std::size_t lines_ = 0;
   int quiet_ms_ = 0;
   std::sig_atomic_t reloads_ = 0;

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/octant/text/report_json.h"
 
-#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
