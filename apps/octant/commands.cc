@@ -9,6 +9,7 @@
 
 #include "apps/octant/help/help.h"
 #include "apps/octant/steps/steps.h"
+#include "apps/octant/text/layout.h"
 #include "io/text/text.h"
 
 namespace octant::app {
@@ -30,8 +31,7 @@ void add_common_options(CLI::App& app, CommonOptions& common) {
 }
 
 void add_method_options(CLI::App& command, MethodArgs& args) {
-  std::string listed;
-  for (const auto& [name, value] : method_names()) listed += (listed.empty() ? "" : ", ") + std::string(name);
+  const std::string listed = joined(method_names(), ", ", [](const auto& method) { return method.first; });
   command
       .add_option_function<std::string>(
           "--method",

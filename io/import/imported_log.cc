@@ -35,27 +35,9 @@ void one_an_instant(std::vector<TimedPose>& poses, const char* what, ImportedLog
                                        log.path, before - poses.size(), what));
 }
 
-/// Each pose in the frame of the one before.
-MeasurementLog steps_of(const std::vector<TimedPose>& poses) {
-  MeasurementLog steps;
-  for (std::size_t i = 0; i < poses.size(); ++i) {
-    OdometryStep step;
-    step.time_s = poses[i].time_s;
-    step.vehicle = VehicleId(0);
-    if (i > 0) step.set_pose(poses[i - 1].T_map_vehicle.inverse() * poses[i].T_map_vehicle);
-    steps.odometry.push_back(step);
-  }
-  return steps;
-}
-
 template <class Test>
 bool any_arrival(const ImportedLog& log, Test test) {
   return std::ranges::any_of(log.arrivals, test);
-}
-
-void append_number(std::string& text, double value) {
-  text += ',';
-  if (std::isfinite(value)) text += exact(value);
 }
 
 std::string tof_text(const ImportedLog& log, std::optional<double> speed_mps, bool distances) {
@@ -74,19 +56,15 @@ std::string tof_text(const ImportedLog& log, std::optional<double> speed_mps, bo
   if (amplitude) text += ",amplitude_v";
   if (temperature) text += ",temperature_degC";
   text += '\n';
+  const auto out = std::back_inserter(text);
   for (const ImportedArrival& a : log.arrivals) {
-    text += exact(a.time_s);
-    text += ',';
-    text += name(a.beacon);
-    append_number(text, a.is_distance && speed_mps ? a.value / *speed_mps : a.value);
-    if (epoch) {
-      text += ',';
-      if (a.epoch != kNoEpoch) text += std::to_string(a.epoch);
-    }
-    if (vehicle) (text += ',') += name(a.vehicle);
-    if (receiver) (text += ',') += name(a.receiver);
-    if (amplitude) append_number(text, a.amplitude_v);
-    if (temperature) append_number(text, a.temperature_degC);
+    fmt::format_to(out, "{},{},{}", a.time_s, name(a.beacon),
+                   number_field(a.is_distance && speed_mps ? a.value / *speed_mps : a.value));
+    if (epoch) fmt::format_to(out, ",{}", a.epoch != kNoEpoch ? std::to_string(a.epoch) : "");
+    if (vehicle) fmt::format_to(out, ",{}", name(a.vehicle));
+    if (receiver) fmt::format_to(out, ",{}", name(a.receiver));
+    if (amplitude) fmt::format_to(out, ",{}", number_field(a.amplitude_v));
+    if (temperature) fmt::format_to(out, ",{}", number_field(a.temperature_degC));
     text += '\n';
   }
   return text;
@@ -139,7 +117,11 @@ Result<std::vector<FileContent>> run_files(ImportedLog& log, const std::string& 
     files.push_back({folder + "/" + name, std::move(content)});
   };
   if (!log.arrivals.empty()) add("tof.csv", tof_text(log, speed_mps, distances && !speed_mps));
-  if (!log.odometry.empty()) add("odometry.csv", odometry_to_csv(steps_of(log.odometry), {}));
+  if (!log.odometry.empty()) {
+    MeasurementLog steps;
+    steps.odometry = steps_between(log.odometry, VehicleId(0));
+    add("odometry.csv", odometry_to_csv(steps, {}));
+  }
   if (!log.poses.empty()) add("poses.tum", poses_to_tum(log.poses));
   if (!log.truth.empty()) add("truth.tum", poses_to_tum(log.truth));
   if (!log.run_yaml.empty()) add("run.yaml", log.run_yaml);

@@ -241,7 +241,7 @@ class TableReader {
                        .expected = "a number"});
         row.time_s = value;
       }
-      row.text += std::isfinite(value) ? exact(value) : "";
+      row.text += number_field(value);
     }
     return true;
   }

@@ -214,12 +214,7 @@ Result<void> RunReader::read_odometry() {
                  .found = "odometry.csv is there too",
                  .expected = "one of them",
                  .advice = "take the other away"});
-  for (std::size_t i = 0; i < track.size(); ++i) {
-    OdometryStep& step = log_.odometry.emplace_back();
-    step.time_s = track[i].time_s;
-    step.vehicle = log_.vehicle.valid() ? log_.vehicle : VehicleId(0);
-    if (i > 0) step.set_pose(track[i - 1].T_map_vehicle.inverse() * track[i].T_map_vehicle);
-  }
+  log_.odometry = steps_between(track, log_.vehicle.valid() ? log_.vehicle : VehicleId(0));
   return {};
 }
 

@@ -16,15 +16,6 @@ using Out = std::back_insert_iterator<std::string>;
 
 bool several_vehicles(const NameTable& names) { return names.vehicles.size() > 1; }
 
-/// A number, or nothing where none was logged.
-void append_optional(Out out, double value) {
-  if (std::isfinite(value)) {
-    fmt::format_to(out, ",{}", value);
-  } else {
-    fmt::format_to(out, ",");
-  }
-}
-
 template <class Rows, class Test>
 bool any(const Rows& rows, Test test) {
   return std::ranges::any_of(rows, test);
@@ -64,8 +55,8 @@ std::string tof_to_csv(const MeasurementLog& log, const NameTable& names) {
     if (epoch) fmt::format_to(out, ",{}", a.epoch);
     if (vehicle) fmt::format_to(out, ",{}", vehicles[a.vehicle.index()]);
     if (receiver) fmt::format_to(out, ",{}", receivers[a.receiver.index()]);
-    if (amplitude) append_optional(out, a.amplitude_v);
-    if (temperature) append_optional(out, a.temperature_degC);
+    if (amplitude) fmt::format_to(out, ",{}", number_field(a.amplitude_v));
+    if (temperature) fmt::format_to(out, ",{}", number_field(a.temperature_degC));
     text += '\n';
   }
   return text;
@@ -91,7 +82,7 @@ std::string bearings_to_csv(const MeasurementLog& log, const NameTable& names) {
 
 std::string odometry_to_csv(const MeasurementLog& log, const NameTable& names) {
   const bool vehicle = several_vehicles(names);
-  const bool in_space = std::ranges::any_of(log.odometry, [](const auto& o) { return !o.is_planar(); });
+  const bool in_space = any(log.odometry, [](const auto& o) { return !o.is_planar(); });
   std::string text = in_space ? "time_s,dx_m,dy_m,dz_m,qx,qy,qz,qw" : "time_s,dx_m,dy_m,dheading_rad";
   text += vehicle ? ",vehicle\n" : "\n";
   const Out out = std::back_inserter(text);
@@ -118,7 +109,7 @@ std::string scans_to_csv(const MeasurementLog& log) {
   for (const Scan& scan : log.scans) {
     fmt::format_to(out, "{},{},{}", scan.time_s, scan.angle_min_rad, scan.angle_increment_rad);
     for (std::size_t k = 0; k < beams; ++k) {
-      append_optional(out, k < scan.range_m.size() ? scan.range_m[k] : std::nan(""));
+      fmt::format_to(out, ",{}", k < scan.range_m.size() ? number_field(scan.range_m[k]) : "");
     }
     text += '\n';
   }

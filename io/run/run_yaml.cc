@@ -39,14 +39,14 @@ void read_accuracy(const YamlNode& node, const char* name, bool observations, Po
 
 void write_accuracy(const char* name, const PoseAccuracy& a, bool observations, std::string& text) {
   const auto out = std::back_inserter(text);
-  fmt::format_to(out, "{}:\n  position_sigma_m: {}\n", name, exact(a.position_sigma_m));
+  fmt::format_to(out, "{}:\n  position_sigma_m: {}\n", name, a.position_sigma_m);
   if (a.heading_known) {
-    fmt::format_to(out, "  heading_sigma_rad: {}\n", exact(a.heading_sigma_rad));
+    fmt::format_to(out, "  heading_sigma_rad: {}\n", a.heading_sigma_rad);
   } else {
     fmt::format_to(out, "  heading: unknown\n");
   }
-  fmt::format_to(out, "  attitude_sigma_rad: {}\n", exact(a.attitude_sigma_rad));
-  if (observations) fmt::format_to(out, "  max_gap_s: {}\n", exact(a.max_gap_s));
+  fmt::format_to(out, "  attitude_sigma_rad: {}\n", a.attitude_sigma_rad);
+  if (observations) fmt::format_to(out, "  max_gap_s: {}\n", a.max_gap_s);
 }
 
 }  // namespace
@@ -100,18 +100,17 @@ std::string run_to_yaml(const MeasurementLog& log, const NameTable& names) {
   const auto out = std::back_inserter(text);
   if (log.vehicle.valid())
     fmt::format_to(out, "vehicle: {}\n", yaml_text(names.vehicles[log.vehicle.index()]));
-  if (log.temperature_degC) fmt::format_to(out, "temperature_degC: {}\n", exact(*log.temperature_degC));
-  if (log.relative_humidity) fmt::format_to(out, "relative_humidity: {}\n", exact(*log.relative_humidity));
-  if (log.pressure_pa) fmt::format_to(out, "pressure_pa: {}\n", exact(*log.pressure_pa));
+  if (log.temperature_degC) fmt::format_to(out, "temperature_degC: {}\n", *log.temperature_degC);
+  if (log.relative_humidity) fmt::format_to(out, "relative_humidity: {}\n", *log.relative_humidity);
+  if (log.pressure_pa) fmt::format_to(out, "pressure_pa: {}\n", *log.pressure_pa);
   if (!log.poses.empty()) write_accuracy("poses", log.pose_accuracy, true, text);
   if (!log.truth.empty()) write_accuracy("truth", log.truth_accuracy, false, text);
   if (!log.odometry.empty()) {
     const OdometryAccuracy& a = log.odometry_accuracy;
-    fmt::format_to(out, "odometry:\n  distance_sigma_m_per_sqrt_m: {}\n",
-                   exact(a.distance_sigma_m_per_sqrt_m));
-    fmt::format_to(out, "  heading_sigma_rad_per_sqrt_m: {}\n", exact(a.heading_sigma_rad_per_sqrt_m));
-    fmt::format_to(out, "  heading_sigma_per_rad: {}\n", exact(a.heading_sigma_per_rad));
-    fmt::format_to(out, "  floor_m: {}\n  floor_rad: {}\n", exact(a.floor_m), exact(a.floor_rad));
+    fmt::format_to(out, "odometry:\n  distance_sigma_m_per_sqrt_m: {}\n", a.distance_sigma_m_per_sqrt_m);
+    fmt::format_to(out, "  heading_sigma_rad_per_sqrt_m: {}\n", a.heading_sigma_rad_per_sqrt_m);
+    fmt::format_to(out, "  heading_sigma_per_rad: {}\n", a.heading_sigma_per_rad);
+    fmt::format_to(out, "  floor_m: {}\n  floor_rad: {}\n", a.floor_m, a.floor_rad);
   }
   return text;
 }

@@ -112,9 +112,7 @@ double heading_variance(const Fix& fix) {
 }
 
 /// A standard deviation as a field; empty where there is none.
-std::string sigma_field(double variance) {
-  return variance >= 0.0 && std::isfinite(variance) ? exact(std::sqrt(variance)) : "";
-}
+std::string sigma_field(double variance) { return number_field(std::sqrt(variance)); }
 
 void append_csv(std::string& text, const Fix& fix, const NameTable& names) {
   const auto out = std::back_inserter(text);
@@ -142,6 +140,16 @@ void append_csv(std::string& text, const Fix& fix, const NameTable& names) {
 
 Result<std::vector<TimedPose>> tum_from_text(std::string_view text, const std::string& file) {
   return TumReader(text, file).read();
+}
+
+std::vector<OdometryStep> steps_between(const std::vector<TimedPose>& poses, VehicleId vehicle) {
+  std::vector<OdometryStep> steps(poses.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    steps[i].time_s = poses[i].time_s;
+    steps[i].vehicle = vehicle;
+    if (i > 0) steps[i].set_pose(poses[i - 1].T_map_vehicle.inverse() * poses[i].T_map_vehicle);
+  }
+  return steps;
 }
 
 std::string poses_to_tum(const std::vector<TimedPose>& poses) {

@@ -17,6 +17,8 @@ namespace octant::io {
 /// normalised. Errors name line and column.
 /// @param file  for messages
 [[nodiscard]] Result<std::vector<TimedPose>> tum_from_text(std::string_view text, const std::string& file);
+/// The way from each pose to the next, in the frame of the first of the two; the first step has none.
+[[nodiscard]] std::vector<OdometryStep> steps_between(const std::vector<TimedPose>& poses, VehicleId vehicle);
 [[nodiscard]] std::string poses_to_tum(const std::vector<TimedPose>& poses);
 /// The fixes that are ok, as TUM.
 [[nodiscard]] std::string fixes_to_tum(const std::vector<Fix>& fixes);

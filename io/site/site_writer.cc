@@ -19,9 +19,7 @@ std::string list_text(const std::array<std::optional<double>, 3>& values) {
   return fmt::format("[{}, {}, {}]", item(values[0]), item(values[1]), item(values[2]));
 }
 
-std::string list_text(const Eigen::Vector3d& v) {
-  return fmt::format("[{}, {}, {}]", exact(v.x()), exact(v.y()), exact(v.z()));
-}
+std::string list_text(const Eigen::Vector3d& v) { return fmt::format("[{}, {}, {}]", v.x(), v.y(), v.z()); }
 
 std::string sigma_text(const std::array<std::optional<double>, 3>& sigmas) {
   return sigmas[0] && sigmas[0] == sigmas[1] && sigmas[1] == sigmas[2] ? exact(*sigmas[0])
@@ -33,7 +31,7 @@ bool any_stated(const std::array<std::optional<double>, 3>& values) {
 }
 
 std::string prior_text(const Prior& prior) {
-  return fmt::format("{{value: {}, sigma: {}}}", exact(prior.value), exact(prior.sigma));
+  return fmt::format("{{value: {}, sigma: {}}}", prior.value, prior.sigma);
 }
 
 std::string delay_per_text(const DelayPer& per) {
@@ -51,11 +49,10 @@ void write_medium(const Site& site, SiteOut out) {
   fmt::format_to(out, "medium:\n  model: {}\n", to_string(m.model));
   // Beside a model of the air or the sea it is a number that nothing takes; what was stated stays.
   if (m.model == MediumModel::kConstant || m.speed_mps != Medium{}.speed_mps)
-    fmt::format_to(out, "  speed_mps: {}\n", exact(m.speed_mps));
-  fmt::format_to(out, "  temperature_degC: {}\n", exact(m.temperature_degC));
-  fmt::format_to(out, "  relative_humidity: {}\n  pressure_pa: {}\n", exact(m.relative_humidity),
-                 exact(m.pressure_pa));
-  fmt::format_to(out, "  sigma_mps: {}\n  offset_per: {}\n", exact(site.speed_sigma_mps),
+    fmt::format_to(out, "  speed_mps: {}\n", m.speed_mps);
+  fmt::format_to(out, "  temperature_degC: {}\n", m.temperature_degC);
+  fmt::format_to(out, "  relative_humidity: {}\n  pressure_pa: {}\n", m.relative_humidity, m.pressure_pa);
+  fmt::format_to(out, "  sigma_mps: {}\n  offset_per: {}\n", site.speed_sigma_mps,
                  site.speed_offset_per_run ? "run" : "site");
 }
 
@@ -64,32 +61,29 @@ void write_timing(const Timing& t, SiteOut out) {
                  t.clock == Clock::kCycleOffset ? "cycle_offset" : "synchronised");
   fmt::format_to(out, "  ranging: {}\n", t.ranging == Ranging::kTwoWay ? "two_way" : "one_way");
   if (t.ranging == Ranging::kTwoWay || t.turnaround_s != 0.0)
-    fmt::format_to(out, "  turnaround_s: {}\n", exact(t.turnaround_s));
+    fmt::format_to(out, "  turnaround_s: {}\n", t.turnaround_s);
   fmt::format_to(out, "  delay_per: {}\n", delay_per_text(t.delay_per));
-  fmt::format_to(out, "  delay_s: {}\n  delay_sigma_s: {}\n", exact(t.delay_s), exact(t.delay_sigma_s));
+  fmt::format_to(out, "  delay_s: {}\n  delay_sigma_s: {}\n", t.delay_s, t.delay_sigma_s);
   if (t.drift != 0.0 || t.drift_sigma > 0)
-    fmt::format_to(out, "  drift_ppm: {}\n  drift_sigma_ppm: {}\n", exact(1e6 * t.drift),
-                   exact(1e6 * t.drift_sigma));
+    fmt::format_to(out, "  drift_ppm: {}\n  drift_sigma_ppm: {}\n", 1e6 * t.drift, 1e6 * t.drift_sigma);
 }
 
 void write_noise(const Site& site, SiteOut out) {
   const Noise& n = site.noise;
   fmt::format_to(out, "noise:\n");
-  if (site.tof_sigma_given) fmt::format_to(out, "  tof_sigma_s: {}\n", exact(n.tof_sigma_s));
-  fmt::format_to(out, "  amplitude_relative_sigma: {}\n", exact(n.amplitude_relative_sigma));
-  if (n.pair_sigma_s) fmt::format_to(out, "  pair_sigma_s: {}\n", exact(*n.pair_sigma_s));
-  fmt::format_to(out, "  bearing_sigma_rad: {}\n  range_sigma_m: {}\n", exact(n.bearing_sigma_rad),
-                 exact(n.range_sigma_m));
+  if (site.tof_sigma_given) fmt::format_to(out, "  tof_sigma_s: {}\n", n.tof_sigma_s);
+  fmt::format_to(out, "  amplitude_relative_sigma: {}\n", n.amplitude_relative_sigma);
+  if (n.pair_sigma_s) fmt::format_to(out, "  pair_sigma_s: {}\n", *n.pair_sigma_s);
+  fmt::format_to(out, "  bearing_sigma_rad: {}\n  range_sigma_m: {}\n", n.bearing_sigma_rad, n.range_sigma_m);
 }
 
 void write_attenuation(const AttenuationPrior& a, SiteOut out) {
   fmt::format_to(out, "attenuation:\n  amplitude_1m_v: {}\n", prior_text(a.amplitude_1m_v));
   fmt::format_to(out, "  absorption_np_per_m: {}\n", prior_text(a.absorption_np_per_m));
-  fmt::format_to(out, "  threshold_v: {}\n  rise_time_s: {}\n", exact(a.threshold_v),
-                 prior_text(a.rise_time_s));
+  fmt::format_to(out, "  threshold_v: {}\n  rise_time_s: {}\n", a.threshold_v, prior_text(a.rise_time_s));
   if (a.half_power_angle_rad.value > 0)
     fmt::format_to(out, "  half_power_angle_rad: {}\n", prior_text(a.half_power_angle_rad));
-  if (std::isfinite(a.saturation_v)) fmt::format_to(out, "  saturation_v: {}\n", exact(a.saturation_v));
+  if (std::isfinite(a.saturation_v)) fmt::format_to(out, "  saturation_v: {}\n", a.saturation_v);
 }
 
 void write_beacons(const Site& site, SiteOut out) {
@@ -98,19 +92,16 @@ void write_beacons(const Site& site, SiteOut out) {
     fmt::format_to(out, "  - {{id: {}", yaml_text(b.name));
     if (any_stated(b.position_m)) fmt::format_to(out, ", position_m: {}", list_text(b.position_m));
     if (any_stated(b.sigma_m)) fmt::format_to(out, ", sigma_m: {}", sigma_text(b.sigma_m));
-    if (b.delay_s) fmt::format_to(out, ", delay_s: {}", exact(*b.delay_s));
-    if (b.delay_sigma_s) fmt::format_to(out, ", delay_sigma_s: {}", exact(*b.delay_sigma_s));
+    if (b.delay_s) fmt::format_to(out, ", delay_s: {}", *b.delay_s);
+    if (b.delay_sigma_s) fmt::format_to(out, ", delay_sigma_s: {}", *b.delay_sigma_s);
     fmt::format_to(out, "}}\n");
   }
 }
 
 void write_rail(const Rail& rail, SiteOut out) {
-  const auto point = [](const Eigen::Vector2d& p) {
-    return fmt::format("[{}, {}]", exact(p.x()), exact(p.y()));
-  };
+  const auto point = [](const Eigen::Vector2d& p) { return fmt::format("[{}, {}]", p.x(), p.y()); };
   if (rail.shape == Rail::Shape::kArc) {
-    fmt::format_to(out, "    rail: {{centre_m: {}, radius_m: {}}}\n", point(rail.centre_m),
-                   exact(rail.radius_m));
+    fmt::format_to(out, "    rail: {{centre_m: {}, radius_m: {}}}\n", point(rail.centre_m), rail.radius_m);
   } else {
     fmt::format_to(out, "    rail: {{from_m: {}, to_m: {}}}\n", point(rail.from_m), point(rail.to_m));
   }
@@ -130,13 +121,13 @@ void write_vehicles(const Site& site, SiteOut out) {
     }
     if (vehicle.array)
       fmt::format_to(out, "    array: {{radius_sigma_m: {}, turn_sigma_rad: {}}}\n",
-                     exact(vehicle.array->radius_sigma_m), exact(vehicle.array->turn_sigma_rad));
+                     vehicle.array->radius_sigma_m, vehicle.array->turn_sigma_rad);
     if (const auto& m = vehicle.motion)
       fmt::format_to(out,
                      "    motion: {{speed_mps: {}, acceleration_mps2: {}, turn_rate_rad_per_s: {}, "
                      "turn_acceleration_rad_per_s2: {}}}\n",
-                     exact(m->speed_mps), exact(m->acceleration_mps2), exact(m->turn_rate_rad_per_s),
-                     exact(m->turn_acceleration_rad_per_s2));
+                     m->speed_mps, m->acceleration_mps2, m->turn_rate_rad_per_s,
+                     m->turn_acceleration_rad_per_s2);
     if (vehicle.rail) write_rail(*vehicle.rail, out);
   }
 }
@@ -146,7 +137,7 @@ void write_distances(const Site& site, SiteOut out) {
   for (const ControlDistance& d : site.distances) {
     fmt::format_to(out, "    - {{from: {}, to: {}, distance_m: {}, sigma_m: {}}}\n",
                    yaml_text(site.beacons[d.from.index()].name), yaml_text(site.beacons[d.to.index()].name),
-                   exact(d.distance_m), exact(d.sigma_m));
+                   d.distance_m, d.sigma_m);
   }
 }
 
@@ -165,20 +156,20 @@ std::string site_to_yaml(const Site& site) {
   write_vehicles(site, out);
   if (!site.distances.empty()) write_distances(site, out);
   if (const Gates& g = site.gates; g.min_range_m > 0 || std::isfinite(g.max_range_m) || !g.triangle) {
-    fmt::format_to(out, "gates:\n  min_range_m: {}\n", exact(g.min_range_m));
-    if (std::isfinite(g.max_range_m)) fmt::format_to(out, "  max_range_m: {}\n", exact(g.max_range_m));
+    fmt::format_to(out, "gates:\n  min_range_m: {}\n", g.min_range_m);
+    if (std::isfinite(g.max_range_m)) fmt::format_to(out, "  max_range_m: {}\n", g.max_range_m);
     fmt::format_to(out, "  triangle: {}\n", g.triangle);
   }
   if (site.tolerance.beacon_m || site.tolerance.fix_m) {
     fmt::format_to(out, "tolerance:\n");
-    if (site.tolerance.beacon_m) fmt::format_to(out, "  beacon_m: {}\n", exact(*site.tolerance.beacon_m));
-    if (site.tolerance.fix_m) fmt::format_to(out, "  fix_m: {}\n", exact(*site.tolerance.fix_m));
+    if (site.tolerance.beacon_m) fmt::format_to(out, "  beacon_m: {}\n", *site.tolerance.beacon_m);
+    if (site.tolerance.fix_m) fmt::format_to(out, "  fix_m: {}\n", *site.tolerance.fix_m);
   }
   if (const ValidityPeriod& v = site.validity; v.stated()) {
     fmt::format_to(out, "validity:\n");
-    if (v.months) fmt::format_to(out, "  months: {}\n", exact(*v.months));
+    if (v.months) fmt::format_to(out, "  months: {}\n", *v.months);
     if (v.beacon_drift_m_per_month)
-      fmt::format_to(out, "  beacon_drift_m_per_month: {}\n", exact(*v.beacon_drift_m_per_month));
+      fmt::format_to(out, "  beacon_drift_m_per_month: {}\n", *v.beacon_drift_m_per_month);
   }
   return text;
 }

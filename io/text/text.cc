@@ -171,6 +171,8 @@ std::string csv_field(std::string_view text) {
 
 std::string exact(double value) { return fmt::format("{}", value); }
 
+std::string number_field(double value) { return std::isfinite(value) ? exact(value) : ""; }
+
 NumberText parse_number(std::string_view text, double& value) {
   if (text.empty()) return NumberText::kEmpty;
   const char* begin = text.data();

@@ -36,6 +36,8 @@ std::string_view take_line(std::string_view& text);
 
 /// Shortest decimal text that reads back as the same double.
 [[nodiscard]] std::string exact(double value);
+/// A number as a field of a table; empty where it is none.
+[[nodiscard]] std::string number_field(double value);
 
 inline constexpr const char* kExpectedLength = "metres, at most 1e9";  ///< kLargestLength_m
 

@@ -236,9 +236,7 @@ std::string chosen_site(io::History& history, const HistoryArgs& args) {
   for (const io::Visit& v : need(history.list())) sites.insert(v.site);
   if (args.site.empty() && sites.size() == 1) return *sites.begin();
   if (sites.contains(args.site)) return args.site;
-  std::string known;
-  for (const std::string& site : sites)
-    known += (known.empty() ? "" : ", ") + (site.empty() ? std::string("''") : site);
+  const std::string known = joined(sites, ", ", [](const auto& site) { return site.empty() ? "''" : site; });
   fail_with({.code = args.site.empty() ? Errc::kUsage : Errc::kBadInput,
              .file = args.database,
              .found = args.site.empty() ? fmt::format("{} sites: {}", sites.size(), known)

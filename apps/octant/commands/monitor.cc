@@ -27,19 +27,21 @@ int run(const MonitorArgs& args, Session& session) {
   warn_if_overdue(visit.before, session);
   if (const auto failure = failure_of(visit.revisit)) return session.fail(*failure, object);
   session.result(revisit_text(visit) + due_line(visit.before));
-  std::string message, advice;
+  std::vector<std::string> changes, remedies;
   for (const Change& c : visit.revisit.comparison.changes) {
     if (!needs_action(c, visit.revisit.medium)) continue;
-    message += (message.empty() ? "" : "; ") + in_words(c);
-    advice += (advice.empty() ? "" : "; ") + remedy_of(c);
+    changes.push_back(in_words(c));
+    remedies.push_back(remedy_of(c));
   }
-  if (const std::vector<std::string>& silent = visit.revisit.silent; !silent.empty()) {
-    message += fmt::format("{}nothing is heard of {}", message.empty() ? "" : "; ", fmt::join(silent, ", "));
-    advice += fmt::format("{}look at {} on site", advice.empty() ? "" : "; ", fmt::join(silent, ", "));
+  if (const std::string silent = fmt::format("{}", fmt::join(visit.revisit.silent, ", ")); !silent.empty()) {
+    changes.push_back("nothing is heard of " + silent);
+    remedies.push_back(fmt::format("look at {} on site", silent));
   }
-  object["action"] = !message.empty();
-  if (message.empty()) return session.finish(object);
-  return session.fail({"changed", "changed", kGateFailed, message, advice}, object);
+  object["action"] = !changes.empty();
+  if (changes.empty()) return session.finish(object);
+  return session.fail({"changed", "changed", kGateFailed, fmt::format("{}", fmt::join(changes, "; ")),
+                       fmt::format("{}", fmt::join(remedies, "; "))},
+                      object);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "apps/octant/help/glossary.h"
 #include "apps/octant/help/help.h"
@@ -19,22 +20,16 @@ int explain(const ExplainArgs& args, Session& session) {
     if (!session.options.json) return session.finish_document(glossary_page());
     return session.finish({{"page", glossary_page()}});
   }
+  std::vector<std::string> known;
+  for (const GlossaryTerm& t : glossary()) known.emplace_back(t.name);
   if (args.term.empty()) {
-    std::string all;
-    Json list = Json::array();
-    for (const GlossaryTerm& term : glossary()) {
-      all += (all.empty() ? "" : ", ") + std::string(term.name);
-      list.push_back(term.name);
-    }
-    session.result(paragraph(all) + "\noctant explain WORD explains one of them.\n");
-    return session.finish({{"terms", list}});
+    session.result(paragraph(fmt::format("{}", fmt::join(known, ", "))) +
+                   "\noctant explain WORD explains one of them.\n");
+    return session.finish({{"terms", known}});
   }
-  std::string wanted;
-  for (const std::string& word : args.term) wanted += (wanted.empty() ? "" : " ") + word;
+  const std::string wanted = fmt::format("{}", fmt::join(args.term, " "));
   const GlossaryTerm* term = find_term(wanted);
   if (term == nullptr) {
-    std::vector<std::string> known;
-    for (const GlossaryTerm& t : glossary()) known.emplace_back(t.name);
     fail_usage(fmt::format("'{}' is not among the words{}", wanted, did_you_mean(wanted, known)),
                "octant explain lists them all");
   }

@@ -19,6 +19,7 @@
 #include "apps/octant/live/byte_source.h"
 #include "apps/octant/options.h"
 #include "apps/octant/steps/steps.h"
+#include "apps/octant/text/layout.h"
 #include "apps/octant/text/validity_words.h"
 #include "io/live/live_fixes.h"
 #include "io/live/live_rows.h"
@@ -47,12 +48,7 @@ class BadLines {
     if (!known && kinds_.size() < kMostKinds) session.note(fmt::format("line {}: {}", line, what));
   }
   [[nodiscard]] std::size_t total() const { return total_; }
-  [[nodiscard]] std::string text() const {
-    std::string text;
-    for (const auto& [what, count] : kinds_)
-      text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
-    return text;
-  }
+  [[nodiscard]] std::string text() const { return counts_in_words(kinds_); }
 
  private:
   static constexpr std::size_t kMostKinds = 20;

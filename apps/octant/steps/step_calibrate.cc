@@ -319,9 +319,9 @@ std::string calibration_text(const Calibration& calibration) {
                                   time_text(d.attenuation->rise_time_s)));
     if (d.attenuation->directional()) line("receivers", survey::directivity_in_words(d));
   }
-  std::string reasons;
-  for (const auto& note : left_out_by_reason(calibration))
-    reasons += fmt::format("{}{} {}", reasons.empty() ? "" : ", ", note.count, note.reason);
+  const std::string reasons = joined(left_out_by_reason(calibration), ", ", [](const auto& note) {
+    return fmt::format("{} {}", note.count, note.reason);
+  });
   line("arrivals", fmt::format("{} used, {} left out{}", d.statistics.arrivals, d.statistics.rejected,
                                reasons.empty() ? "" : ": " + reasons));
   line("unknowns", fmt::format("{}, redundancy {:.0f}", d.statistics.unknowns, d.statistics.redundancy));
