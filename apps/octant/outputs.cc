@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include "apps/octant/steps/steps.h"
 #include "io/run/run_folder.h"
 
 namespace octant::app {

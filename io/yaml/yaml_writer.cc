@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <yaml.h>
 
+#include "io/text/text.h"
+
 namespace octant::io {
 
 struct YamlWriter::Emitter {
