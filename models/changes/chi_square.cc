@@ -49,4 +49,10 @@ double chi_square_beyond(double p, int degrees_of_freedom) {
   return 0.5 * (low + high);
 }
 
+double chi2_gate(int degrees_of_freedom, double z) {
+  if (degrees_of_freedom <= 0) return 0.0;
+  const double v = 2.0 / (9.0 * degrees_of_freedom);
+  return degrees_of_freedom * std::pow(1 - v + z * std::sqrt(v), 3);
+}
+
 }  // namespace octant

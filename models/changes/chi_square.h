@@ -12,5 +12,8 @@ namespace octant {
 [[nodiscard]] double chi_square_tail(double value, int degrees_of_freedom);
 /// The value that chi-square exceeds with this probability. @param p  in (0, 1)
 [[nodiscard]] double chi_square_beyond(double p, int degrees_of_freedom);
+/// What a chi-square variable stays below as often as a normal one below z sigmas (Wilson and Hilferty 1931);
+/// 0 without freedom.
+[[nodiscard]] double chi2_gate(int degrees_of_freedom, double z);
 
 }  // namespace octant

@@ -25,7 +25,7 @@
 
 #include "models/localizers/common/trajectory_model.h"
 #include "models/localizers/least_squares/candidates.h"
-#include "models/localizers/least_squares/direct_fix.h"
+#include "models/localizers/least_squares/epoch_fix.h"
 #include "tests/models/localizers/hall.h"
 
 namespace octant::study {
@@ -62,7 +62,6 @@ double processor_us() {
 /// One of the ways, its times and its fix.
 struct Way {
   const char* name;
-  void (*fix_node)(Trajectory&, const Segment&, const EpochFixModel&, const EpochFixOptions&, Fix&);
   EpochFixOptions options{};
   Fix fix{};
   Trajectory trajectory{};
@@ -73,7 +72,7 @@ struct Way {
             const Pose& truth) {
     set_epoch(trajectory, arrivals, {}, motion);
     const double began = processor_us();
-    fix_node(trajectory, trajectory.segments[0], model, options, fix);
+    fix_epoch(trajectory, trajectory.segments[0], model, options, fix);
     us.push_back(static_cast<float>(processor_us() - began));
     if (!fix.ok()) return;
     const Eigen::Vector2d off = (fix.T_map_vehicle.translation_m - truth.translation_m).head<2>();
@@ -175,8 +174,9 @@ void print_times(Way& way) {
 bool compare(const EchoWorld& world, long epochs, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const Deployment truth = deployment_of({"", world.beacons, 0, 0, 0, 0}, random);
-  Way full{"full", fix_epoch}, nothing{"from nothing", fix_epoch}, start{"from a start", fix_directly};
+  Way full{"full"}, nothing{"from nothing"}, start{"from a start"};
   full.options.bounded_search = false;
+  start.options.closed_form_first = true;
   Difference of_nothing, of_start;
   long ok = 0;
   Scratch memory(1u << 20);

@@ -21,11 +21,6 @@ Eigen::Matrix2d rotation(double angle_rad) { return Eigen::Rotation2Dd(angle_rad
 
 }  // namespace
 
-double beam_gain(double off_axis_rad, const BeamLimits& beam) {
-  const double share = (std::abs(off_axis_rad) - beam.full_rad) / (beam.limit_rad - beam.full_rad);
-  return std::cos(std::clamp(share, 0.0, 1.0) * std::numbers::pi / 2);
-}
-
 std::optional<Eigen::Vector2d> intersect_circles(const Eigen::Vector2d& p1_m, double r1_m,
                                                  const Eigen::Vector2d& p2_m, double r2_m,
                                                  const Eigen::Vector2d& facing) noexcept {
@@ -50,7 +45,7 @@ std::optional<double> level_range_m(double range_m, double height_m) noexcept {
 }
 
 Binaural::Binaural(const Deployment& deployment, const BinauralOptions& options)
-    : Localizer(deployment), deployment_(deployment), options_(options) {
+    : Localizer(deployment), deployment_(deployment), options_(options), range_errors_(deployment) {
   const auto roles = binaural_roles(deployment, options);
   if (!roles) return;
   roles_ = *roles;
@@ -61,8 +56,8 @@ Binaural::Binaural(const Deployment& deployment, const BinauralOptions& options)
                                  Eigen::AngleAxisd(options.roll_rad, Eigen::Vector3d::UnitX()))
                                     .toRotationMatrix();
   for (std::size_t i = 0; i < 4; ++i) {
-    links_[i].beacon = beacons[i];
-    links_[i].receiver = receivers[i];
+    links_[i].pair.beacon = beacons[i];
+    links_[i].pair.receiver = receivers[i];
     links_[i].p_beacon_m = deployment.beacons[beacons[i].index()].position_m;
     links_[i].p_receiver_m = level * deployment.receivers[receivers[i].index()].position_m +
                              Eigen::Vector3d(0, 0, options.height_difference_m);
@@ -72,7 +67,7 @@ Binaural::Binaural(const Deployment& deployment, const BinauralOptions& options)
 void Binaural::locate_known(const Observations& observations, Fix& fix) noexcept {
   collect(observations, fix);
   for (const Link& link : links_)
-    if (link.arrivals == 0) return;  // kTooFewArrivals
+    if (link.pair.arrivals == 0) return;  // kTooFewArrivals
   PlanarPose pose;
   fix.status = closed_form(pose);
   if (fix.ok() && !within_beam(pose)) {
@@ -92,7 +87,7 @@ void Binaural::collect(const Observations& observations, Fix& fix) noexcept {
   fix.covariance.setZero(3, 3);
   fix.vehicle = options_.vehicle;
   fix.rejections.assign(observations.arrivals.size(), Rejection::kNotNeeded);
-  for (Link& link : links_) link.range_m = link.speed_mps = link.arrivals = 0;
+  for (Link& link : links_) link.pair = {.beacon = link.pair.beacon, .receiver = link.pair.receiver};
   if (!roles_) return;
   for (std::size_t i = 0; i < observations.arrivals.size(); ++i) {
     const Arrival& arrival = observations.arrivals[i];
@@ -100,17 +95,24 @@ void Binaural::collect(const Observations& observations, Fix& fix) noexcept {
         deployment_.beacons[arrival.beacon.index()].status == BeaconStatus::kUndetermined)
       fix.rejections[i] = Rejection::kBeaconUnusable;
     for (Link& link : links_) {
-      if (arrival.beacon != link.beacon || arrival.receiver != link.receiver) continue;
+      PairRange& pair = link.pair;
+      if (arrival.beacon != pair.beacon || arrival.receiver != pair.receiver) continue;
       const ArrivalRange range = arrival_range(arrival, deployment_);
       if (!(range.range_m > 0) || !std::isfinite(range.range_m)) {
         fix.rejections[i] = Rejection::kOutOfRange;
         continue;
       }
-      ++link.arrivals;
-      link.range_m += (range.range_m - link.range_m) / link.arrivals;
-      link.speed_mps += (range.speed_mps - link.speed_mps) / link.arrivals;
+      ++pair.arrivals;
+      pair.range_m += (range.range_m - pair.range_m) / pair.arrivals;
+      pair.gain_mps += (range.speed_mps - pair.gain_mps) / pair.arrivals;
       fix.rejections[i] = Rejection::kUsed;
     }
+  }
+  for (Link& link : links_) {
+    PairRange& pair = link.pair;
+    if (pair.arrivals == 0) continue;
+    pair.sigma_m = pair.gain_mps * deployment_.noise.tof_sigma_s / std::sqrt(pair.arrivals);
+    pair.by_speed_s = pair.range_m / pair.gain_mps;
   }
 }
 
@@ -118,7 +120,7 @@ FixStatus Binaural::closed_form(PlanarPose& pose) const noexcept {
   std::array<double, 4> r{};
   for (std::size_t i = 0; i < 4; ++i) {
     const auto level =
-        level_range_m(links_[i].range_m, links_[i].p_beacon_m.z() - links_[i].p_receiver_m.z());
+        level_range_m(links_[i].pair.range_m, links_[i].p_beacon_m.z() - links_[i].p_receiver_m.z());
     if (!level) return FixStatus::kPoorGeometry;
     r[i] = *level;
   }
@@ -149,13 +151,10 @@ bool Binaural::within_beam(const PlanarPose& pose) const noexcept {
   return std::max(off1, off2) <= options_.beam.limit_rad && std::min(off1, off2) <= options_.beam.both_rad;
 }
 
-FixStatus Binaural::adjust(PlanarPose& pose, Fix& fix) const noexcept {
+FixStatus Binaural::adjust(PlanarPose& pose, Fix& fix) noexcept {
   Eigen::Vector4d noise_m;
-  for (int i = 0; i < 4; ++i) {
-    const Link& link = links_[static_cast<std::size_t>(i)];
-    noise_m[i] =
-        std::max(link.speed_mps * deployment_.noise.tof_sigma_s / std::sqrt(link.arrivals), kRounding_m);
-  }
+  for (int i = 0; i < 4; ++i)
+    noise_m[i] = std::max(links_[static_cast<std::size_t>(i)].pair.sigma_m, kRounding_m);
   const Eigen::Vector4d weight = noise_m.cwiseAbs2().cwiseInverse();
   Eigen::Matrix<double, 4, 3> J, toward;
   Eigen::Matrix<double, 3, 4> gain;
@@ -170,7 +169,7 @@ FixStatus Binaural::adjust(PlanarPose& pose, Fix& fix) const noexcept {
       const double d = std::max(v.norm(), kRounding_m);
       toward.row(i) = v.transpose() / d;
       J.row(i) << v.x() / d, v.y() / d, (v.y() * lever.x() - v.x() * lever.y()) / d;
-      residual[i] = link.range_m - d;
+      residual[i] = link.pair.range_m - d;
     }
     const Eigen::Matrix3d N = J.transpose() * weight.asDiagonal() * J;
     const ObservedState<Eigen::Matrix3d> observed(N);
@@ -184,7 +183,14 @@ FixStatus Binaural::adjust(PlanarPose& pose, Fix& fix) const noexcept {
   }
   if (!converged) return FixStatus::kNotConverged;
 
-  const Covariance4 V = range_covariance(toward, pose.heading_rad);
+  // Noise, and what calibration leaves uncertain, which several of the ranges share.
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  R.topLeftCorner<2, 2>() = rotation(pose.heading_rad);
+  range_errors_.clear();
+  for (int i = 0; i < 4; ++i)
+    range_errors_.add(Eigen::Vector4d::Unit(i), links_[static_cast<std::size_t>(i)].pair,
+                      toward.row(i).transpose(), R);
+  const Eigen::Matrix4d V = range_errors_.covariance(deployment_);
   const Eigen::Matrix4d Q = Eigen::Matrix4d::Identity() - J * gain;  // rank one: a single redundant range
   const double misclosure_variance = (Q * V * Q.transpose()).trace() + kRounding_m * kRounding_m;
   fix.cost = 0.5 * residual.cwiseAbs2().dot(weight);
@@ -195,38 +201,6 @@ FixStatus Binaural::adjust(PlanarPose& pose, Fix& fix) const noexcept {
   }
   fix.covariance = gain * V * gain.transpose();
   return FixStatus::kOk;
-}
-
-/// Of the four ranges: noise, and what calibration leaves uncertain, which several of them share.
-Binaural::Covariance4 Binaural::range_covariance(const Eigen::Matrix<double, 4, 3>& toward,
-                                                 double heading_rad) const noexcept {
-  Covariance4 V = Covariance4::Zero();
-  for (int i = 0; i < 4; ++i) {
-    const Link& a = links_[static_cast<std::size_t>(i)];
-    const double noise_m = a.speed_mps * deployment_.noise.tof_sigma_s;
-    V(i, i) += noise_m * noise_m / a.arrivals;
-    for (int j = 0; j < 4; ++j) {
-      const Link& b = links_[static_cast<std::size_t>(j)];
-      const double cc = a.speed_mps * b.speed_mps;
-      V(i, j) += a.range_m * b.range_m / cc * deployment_.speed_sigma_mps * deployment_.speed_sigma_mps;
-      if (a.beacon == b.beacon) {
-        const DeploymentBeacon& beacon = deployment_.beacons[a.beacon.index()];
-        V(i, j) += toward.row(i).dot(beacon.covariance_m2 * toward.row(j).transpose()) +
-                   cc * beacon.delay_sigma_s * beacon.delay_sigma_s;
-      }
-      if (a.receiver == b.receiver) {
-        const DeploymentReceiver& receiver = deployment_.receivers[a.receiver.index()];
-        Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-        R.topLeftCorner<2, 2>() = rotation(heading_rad);
-        const Eigen::Vector3d sigma_i =
-            (R.transpose() * toward.row(i).transpose()).cwiseProduct(receiver.sigma_m);
-        const Eigen::Vector3d sigma_j =
-            (R.transpose() * toward.row(j).transpose()).cwiseProduct(receiver.sigma_m);
-        V(i, j) += sigma_i.dot(sigma_j) + cc * receiver.delay_sigma_s * receiver.delay_sigma_s;
-      }
-    }
-  }
-  return V;
 }
 
 }  // namespace octant

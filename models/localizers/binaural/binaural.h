@@ -10,6 +10,7 @@
 
 #include "models/deployment.h"
 #include "models/localizers/common/localizer.h"
+#include "models/localizers/common/range_propagation.h"
 #include "models/support/result.h"
 
 namespace octant {
@@ -18,14 +19,9 @@ namespace octant {
 /// transmitter and a receiver pair that both look past each other lose the signal sooner than a pair of which
 /// one looks straight.
 struct BeamLimits {
-  double full_rad = 10.0 * std::numbers::pi / 180.0;   ///< full strength up to here
   double limit_rad = 25.0 * std::numbers::pi / 180.0;  ///< either robot's sight of the other: figure 11
   double both_rad = 0.19739555984988078;  ///< both at once: atan(0.3 m / 1.5 m), 11.3 deg, figure 6
 };
-
-/// Strength off the axis relative to that on it: 1 up to `full_rad`, a cosine's fall to nothing at
-/// `limit_rad`.
-[[nodiscard]] double beam_gain(double off_axis_rad, const BeamLimits& beam = {});
 
 struct BinauralOptions {
   VehicleId vehicle{std::size_t{0}};                   ///< robot 1
@@ -88,30 +84,24 @@ class Binaural : public Localizer {
   void locate_known(const Observations& observations, Fix& fix) noexcept override;
   /// One of the four ranges.
   struct Link {
-    BeaconId beacon;
-    ReceiverId receiver;
     Eigen::Vector3d p_beacon_m, p_receiver_m;  ///< in the map; in robot 1's frame, levelled
-    double range_m = 0.0;
-    double speed_mps = 0.0;
-    int arrivals = 0;
+    PairRange pair;                            ///< mean of the arrivals
   };
   struct PlanarPose {
     Eigen::Vector2d p_m = Eigen::Vector2d::Zero();
     double heading_rad = 0.0;
   };
-  using Covariance4 = Eigen::Matrix4d;
 
   void collect(const Observations& observations, Fix& fix) noexcept;
   [[nodiscard]] FixStatus closed_form(PlanarPose& pose) const noexcept;
   [[nodiscard]] bool within_beam(const PlanarPose& pose) const noexcept;
-  [[nodiscard]] FixStatus adjust(PlanarPose& pose, Fix& fix) const noexcept;
-  [[nodiscard]] Covariance4 range_covariance(const Eigen::Matrix<double, 4, 3>& toward,
-                                             double heading_rad) const noexcept;
+  [[nodiscard]] FixStatus adjust(PlanarPose& pose, Fix& fix) noexcept;
 
   Deployment deployment_;
   BinauralOptions options_;
   std::optional<BinauralRoles> roles_;
   std::array<Link, 4> links_;
+  PropagationOf<4> range_errors_;
 };
 
 }  // namespace octant

@@ -30,20 +30,22 @@ double calibration_variance_m2(const PairRange& pair, const Deployment& deployme
          square(pair.by_speed_s * deployment.speed_sigma_mps);
 }
 
-RangePropagation::RangePropagation(const Deployment& deployment)
+template <int N>
+PropagationOf<N>::PropagationOf(const Deployment& deployment)
     : beacons_(deployment.beacons.size()), receivers_(deployment.receivers.size()) {}
 
-void RangePropagation::clear() {
+template <int N>
+void PropagationOf<N>::clear() {
   noise_.setZero();
   by_speed_.setZero();
   std::ranges::fill(beacons_, Shared{});
   std::ranges::fill(receivers_, Shared{});
 }
 
-void RangePropagation::add(const Eigen::Vector3d& gain, const PairRange& pair, const Pose& T_map_vehicle,
-                           const Deployment& deployment) {
-  const Eigen::RowVector3d u =
-      sight_of(T_map_vehicle, pair.beacon, pair.receiver, deployment).direction.transpose();
+template <int N>
+void PropagationOf<N>::add(const Gain& gain, const PairRange& pair, const Eigen::Vector3d& direction,
+                           const Eigen::Matrix3d& R_map_vehicle) {
+  const Eigen::RowVector3d u = direction.transpose();
   noise_ += pair.sigma_m * pair.sigma_m * gain * gain.transpose();
   by_speed_ += pair.by_speed_s * gain;
   Shared& beacon = beacons_[pair.beacon.index()];
@@ -52,12 +54,20 @@ void RangePropagation::add(const Eigen::Vector3d& gain, const PairRange& pair, c
   beacon.by_delay += pair.gain_mps * gain;
   Shared& receiver = receivers_[pair.receiver.index()];
   receiver.touched = true;
-  receiver.by_position += gain * (u * T_map_vehicle.rotation.toRotationMatrix());
+  receiver.by_position += gain * (u * R_map_vehicle);
   receiver.by_delay += pair.gain_mps * gain;
 }
 
-Eigen::Matrix3d RangePropagation::covariance(const Deployment& deployment) const {
-  Eigen::Matrix3d sum = noise_ + square(deployment.speed_sigma_mps) * by_speed_ * by_speed_.transpose();
+template <int N>
+void PropagationOf<N>::add(const Gain& gain, const PairRange& pair, const Pose& T_map_vehicle,
+                           const Deployment& deployment) {
+  add(gain, pair, sight_of(T_map_vehicle, pair.beacon, pair.receiver, deployment).direction,
+      T_map_vehicle.rotation.toRotationMatrix());
+}
+
+template <int N>
+typename PropagationOf<N>::Covariance PropagationOf<N>::covariance(const Deployment& deployment) const {
+  Covariance sum = noise_ + square(deployment.speed_sigma_mps) * by_speed_ * by_speed_.transpose();
   for (std::size_t i = 0; i < beacons_.size(); ++i) {
     if (!beacons_[i].touched) continue;
     const DeploymentBeacon& beacon = deployment.beacons[i];
@@ -73,5 +83,8 @@ Eigen::Matrix3d RangePropagation::covariance(const Deployment& deployment) const
   }
   return 0.5 * (sum + sum.transpose());
 }
+
+template class PropagationOf<3>;
+template class PropagationOf<4>;
 
 }  // namespace octant

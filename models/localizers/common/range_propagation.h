@@ -12,32 +12,41 @@
 
 namespace octant {
 
-/// Covariance of a planar pose (x, y, heading) that a method computes from ranges. To first order
-///   d pose = sum_i gain_i d range_i
+/// Covariance of N numbers that a method computes from ranges: of a planar pose (x, y, heading), or of the
+/// ranges themselves. To first order
+///   d number = sum_i gain_i d range_i
 /// and whatever else is not exactly known acts like an error of the ranges: a beacon that stands elsewhere by
 /// e like -u'e (u: from beacon to receiver), a receiver by e like u'e, a delay by -gain_mps, the speed by
 /// by_speed_s. What arrivals share does not average out, so it is summed before it is squared.
 /// Cross-correlations of calibrated parameters are not used.
-class RangePropagation {
+template <int N>
+class PropagationOf {
  public:
-  explicit RangePropagation(const Deployment& deployment);
+  using Gain = Eigen::Matrix<double, N, 1>;
+  using Covariance = Eigen::Matrix<double, N, N>;
+  explicit PropagationOf(const Deployment& deployment);
 
   void clear();
-  /// @param gain  d pose / d range, (m/m, m/m, rad/m)  @param T_map_vehicle  the pose found
-  void add(const Eigen::Vector3d& gain, const PairRange& pair, const Pose& T_map_vehicle,
-           const Deployment& deployment);
-  [[nodiscard]] Eigen::Matrix3d covariance(const Deployment& deployment) const;
+  /// @param gain  d number / d range  @param direction  unit vector from the beacon to the receiver, in the
+  /// map  @param R_map_vehicle  that turns the receiver's place
+  void add(const Gain& gain, const PairRange& pair, const Eigen::Vector3d& direction,
+           const Eigen::Matrix3d& R_map_vehicle);
+  /// @param T_map_vehicle  the pose found
+  void add(const Gain& gain, const PairRange& pair, const Pose& T_map_vehicle, const Deployment& deployment);
+  [[nodiscard]] Covariance covariance(const Deployment& deployment) const;
 
  private:
   struct Shared {
-    Eigen::Matrix3d by_position = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d by_delay = Eigen::Vector3d::Zero();
+    Eigen::Matrix<double, N, 3> by_position = Eigen::Matrix<double, N, 3>::Zero();
+    Gain by_delay = Gain::Zero();
     bool touched = false;
   };
-  Eigen::Matrix3d noise_ = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d by_speed_ = Eigen::Vector3d::Zero();
+  Covariance noise_ = Covariance::Zero();
+  Gain by_speed_ = Gain::Zero();
   std::vector<Shared> beacons_, receivers_;
 };
+/// Of a pose: gains in m/m, m/m, rad/m.
+using RangePropagation = PropagationOf<3>;
 
 /// Variance of what calibration left uncertain of a pair, as far as it looks like an error of its range: for
 /// gates [m^2].

@@ -5,19 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/changes/chi_square.h"
 #include "models/support/observed.h"
 
 namespace octant {
-namespace {
-
-/// Quantile of the chi-square distribution at kAtFaultSigmas (Wilson and Hilferty 1931).
-double misfit_limit(int degrees) {
-  const double v = 2.0 / (9.0 * degrees);
-  return degrees * std::pow(1.0 - v + kAtFaultSigmas * std::sqrt(v), 3);
-}
-
-}  // namespace
-
 BeaconSums::RowSum& BeaconSums::of_beacon(BeaconId beacon) {
   for (OfBeacon& b : beacons_)
     if (b.beacon == beacon) return b.sum;
@@ -61,7 +52,7 @@ Protection BeaconSums::protection(double variance_m2) const {
     all_determined = all_determined && s.determined;
     if (!s.determined) continue;
     worst_m = std::max(worst_m, s.shift_m + kFaultySigmas * std::sqrt(widened * s.variance_m2));
-    const double misfit = s.misfit / misfit_limit(s.arrivals);
+    const double misfit = s.misfit / chi2_gate(s.arrivals, kAtFaultSigmas);
     if (misfit > worst_misfit) {
       worst_misfit = misfit;
       out.at_fault = s.beacon;

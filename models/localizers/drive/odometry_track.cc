@@ -9,18 +9,6 @@
 
 namespace octant {
 
-BodySpeed body_speed(double left_mps, double right_mps, double track_width_m) {
-  return {(left_mps + right_mps) / 2, (right_mps - left_mps) / track_width_m};
-}
-
-Pose advance(const Pose& T_map_vehicle, const BodySpeed& body, double period_s) {
-  const double heading = T_map_vehicle.heading_rad() + period_s * body.turn_rate_radps;  // eq. 1, third row
-  const double step_m = period_s * body.speed_mps;
-  return Pose::planar(T_map_vehicle.translation_m.x() + step_m * std::cos(heading),  // eq. 1, first row
-                      T_map_vehicle.translation_m.y() + step_m * std::sin(heading),  // eq. 1, second row
-                      heading);
-}
-
 Eigen::Matrix3d advance(OdometryState& state, const OdometryStep& step, const OdometryAccuracy& accuracy,
                         double fraction) {
   const Eigen::Vector2d move =

@@ -13,18 +13,6 @@
 
 namespace octant {
 
-/// Speed and turn rate of a vehicle with two driven wheels, from their rim speeds and the distance between
-/// them.
-struct BodySpeed {
-  double speed_mps = 0.0;
-  double turn_rate_radps = 0.0;
-};
-[[nodiscard]] BodySpeed body_speed(double left_mps, double right_mps, double track_width_m);
-
-/// Pose one period later (Smieszek eq. 1). The step is straight, in the direction at its end: off an arc by
-/// half a turn of the step, v omega dt^2 / 2, which is why the period should be short.
-[[nodiscard]] Pose advance(const Pose& T_map_vehicle, const BodySpeed& body, double period_s);
-
 /// A planar pose that odometry carries on, and its covariance (x, y in the map, heading).
 struct OdometryState {
   Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();

@@ -54,7 +54,7 @@ HeadTail::HeadTail(const Deployment& deployment, HeadTailOptions options)
     : Localizer(deployment),
       deployment_(deployment),
       options_(options),
-      ranges_(deployment, {.gates = options.gates, .spread_sigmas = options.spread_sigmas}),
+      ranges_(deployment, options.ranges),
       propagation_(deployment),
       end_{End{{}, {}, {}, {}, TriangleSolver(kMaxStations, options.min_sine, options.gate_sigmas)},
            End{{}, {}, {}, {}, TriangleSolver(kMaxStations, options.min_sine, options.gate_sigmas)}} {

@@ -27,8 +27,7 @@ struct HeadTailOptions {
   /// Side of the base line for a vehicle that hears two stations only, or stations in one line: what the
   /// others would tell.
   BaseLineSide side = BaseLineSide::kAny;
-  RangeGates gates{};
-  double spread_sigmas = 6.0;  ///< of repeated times (PairRangesOptions)
+  PairRangesOptions ranges{};
   double min_sine =
       0.05;  ///< of the angle at the vertex: 0.05 makes a vertex twenty times as uncertain as a range
   double gate_sigmas = 4.0;  ///< of stations against each other, and of the distance between head and tail

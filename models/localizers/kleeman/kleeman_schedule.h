@@ -47,8 +47,4 @@ struct FiringDesign {
 /// equation gives for 300 m/s, not for its 345 m/s.)
 [[nodiscard]] double shortest_fire_s(const FiringDesign& design);
 
-/// The same rule solved for alpha: least absorption at each of n reflections for which `fire_s` is long
-/// enough; 0 where none is needed. The prototype's 150 ms need 0.04 with n = 5.
-[[nodiscard]] double least_absorbed_fraction(const FiringDesign& design, double fire_s);
-
 }  // namespace octant

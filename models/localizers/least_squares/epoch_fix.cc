@@ -11,7 +11,6 @@
 #include "models/localizers/common/correlated_arrivals.h"
 #include "models/localizers/common/localizer.h"
 #include "models/localizers/least_squares/candidates.h"
-#include "models/localizers/least_squares/direct_fix.h"
 #include "models/localizers/least_squares/linear_ranges.h"
 #include "models/localizers/least_squares/node_adjustment.h"
 #include "models/localizers/least_squares/rivals.h"
@@ -293,8 +292,10 @@ bool fix_in_closed_form(Trajectory& t, const Segment& segment, const EpochFixMod
   return false;
 }
 
-void fix_node(Trajectory& t, const Segment& segment, const EpochFixModel& model,
-              const EpochFixOptions& options, bool closed_form_first, Fix& fix) {
+}  // namespace
+
+void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+               const EpochFixOptions& options, Fix& fix) {
   clear(fix);
   Node& node = t.nodes[segment.first_node];
   node.placed = false;
@@ -311,7 +312,7 @@ void fix_node(Trajectory& t, const Segment& segment, const EpochFixModel& model,
   NodeAdjustment adjustment;
   std::optional<PlanarState> start;
   CorrelatedArrivals sigmas(t, segment, model.correlated, CorrelatedArrivals::Side::kSame);
-  if (closed_form_first && enough)
+  if (options.closed_form_first && enough)
     found = fix_in_closed_form(t, segment, model, options, sigmas, adjustment, c, start);
   const bool search = !found;
   if (enough && search)
@@ -322,7 +323,6 @@ void fix_node(Trajectory& t, const Segment& segment, const EpochFixModel& model,
     report_arrivals(t, segment.first_arrival, segment.last_arrival, fix);
     return;
   }
-
   if (search) {
     adjustment = adjust_and_reject(t, segment, model, options, sigmas);
     c = count(t, segment, model);
@@ -346,18 +346,11 @@ void fix_node(Trajectory& t, const Segment& segment, const EpochFixModel& model,
   node.placed = fix.ok();
 }
 
-}  // namespace
-
 Fix fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model,
               const EpochFixOptions& options) {
   Fix fix;
   fix_epoch(t, segment, model, options, fix);
   return fix;
-}
-
-void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model,
-               const EpochFixOptions& options, Fix& fix) {
-  fix_node(t, segment, model, options, false, fix);
 }
 
 bool pose_covariance(const Trajectory& t, const NodeBlock& information, PoseCovariance& covariance) {
@@ -368,11 +361,6 @@ bool pose_covariance(const Trajectory& t, const NodeBlock& information, PoseCova
   if (!observed.all()) return false;
   covariance = observed.covariance().topLeftCorner(dof, dof);
   return covariance.allFinite();
-}
-
-void fix_directly(Trajectory& t, const Segment& segment, const EpochFixModel& model,
-                  const EpochFixOptions& options, Fix& fix) {
-  fix_node(t, segment, model, options, true, fix);
 }
 
 }  // namespace octant

@@ -29,6 +29,11 @@ struct EpochFixOptions {
   double max_sigma_m = 1.0;    ///< a horizontal sigma beyond this is poor geometry
   int max_candidates = 640;    ///< poses tried in the coarse search
   bool bounded_search = true;  ///< SearchOptions::bounded
+  /// No search where it could find nothing better: linear ranges place a planar node in closed form, it is
+  /// adjusted, and if then all arrivals but a few echoes agree, of three beacons and more that are not in
+  /// line, over seven paths and more, and they tell the heading, that is the fix. Else the search starts
+  /// where the linear ranges are, and looks only for poses that explain the arrivals as well (rivals.h).
+  bool closed_form_first = false;
   /// A second pose counts as equally good when its log likelihood is within this of the best (3: odds below
   /// twenty to one).
   double ambiguity_margin = 2.0;
@@ -100,5 +105,9 @@ class LeastSquaresLocalizer final : public Localizer {
 
 /// All arrivals and bearings of a segment in use, but those of beacons that are not.
 void reset_rejections(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model);
+
+/// Covariance of the pose of an adjusted node, noise alone; false where the position is not determined. A
+/// heading without information gets the sigma pi.
+bool pose_covariance(const Trajectory& trajectory, const NodeBlock& information, PoseCovariance& covariance);
 
 }  // namespace octant

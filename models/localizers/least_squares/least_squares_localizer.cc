@@ -9,7 +9,6 @@
 #include "models/localizers/common/correlated_arrivals.h"
 #include "models/localizers/common/protection.h"
 #include "models/localizers/common/trajectory_model.h"
-#include "models/localizers/least_squares/direct_fix.h"
 #include "models/localizers/least_squares/node_adjustment.h"
 
 namespace octant {
@@ -80,6 +79,7 @@ LeastSquaresLocalizer::LeastSquaresLocalizer(Deployment deployment, EpochFixOpti
       calibration_(deployment_),
       trajectory_model_(trajectory_model(deployment_)),
       scratch_(kScratchBytes) {
+  options_.closed_form_first = true;
   const std::size_t arrivals =
       kRowsEachPair * deployment_.beacons.size() * std::max<std::size_t>(deployment_.receivers.size(), 1);
   reserve_epoch(epoch_, arrivals, kRowsEachPair * deployment_.beacons.size());
@@ -130,7 +130,7 @@ void LeastSquaresLocalizer::locate_known(const Observations& observations, Fix& 
   if (observations.arrivals.empty() && observations.bearings.empty()) return;
   const ScratchScope scope(scratch_);
   set_epoch(epoch_, observations.arrivals, observations.bearings, trajectory_model_);
-  fix_directly(epoch_, epoch_.segments.front(), model_, options_, fix);
+  fix_epoch(epoch_, epoch_.segments.front(), model_, options_, fix);
   finish(epoch_, epoch_.segments.front(), fix);
 }
 
@@ -144,7 +144,7 @@ std::vector<Fix> LeastSquaresLocalizer::locate(const MeasurementLog& all_rows) {
       for (std::size_t node = segment.first_node; node < segment.last_node; ++node) {
         const ScratchScope scope(scratch_);
         const Segment epoch = node_segment(trajectory, segment, node);
-        fix_directly(trajectory, epoch, model_, options_, fixes.emplace_back());
+        fix_epoch(trajectory, epoch, model_, options_, fixes.emplace_back());
         finish(trajectory, epoch, fixes.back());
       }
   }

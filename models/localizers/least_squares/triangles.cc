@@ -8,6 +8,8 @@
 
 #include <Eigen/LU>
 
+#include "models/changes/chi_square.h"
+
 namespace octant {
 namespace {
 
@@ -38,12 +40,6 @@ bool nearly_closes(const StationRange& i, const StationRange& j, double base_m, 
 }
 
 }  // namespace
-
-double chi2_gate(int dof, double z) {
-  if (dof <= 0) return 0.0;
-  const double v = 2.0 / (9.0 * dof);
-  return dof * std::pow(1 - v + z * std::sqrt(v), 3);
-}
 
 std::optional<Eigen::Vector2d> triangle_vertex(const Eigen::Vector2d& B, const Eigen::Vector2d& C, double b,
                                                double c, BaseLineSide side) {

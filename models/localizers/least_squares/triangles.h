@@ -80,8 +80,4 @@ class TriangleSolver {
   std::size_t place_count_ = 0;
 };
 
-/// What a chi-square variable stays below as often as a normal one below z sigmas (Wilson and Hilferty); 0
-/// without freedom.
-[[nodiscard]] double chi2_gate(int dof, double z);
-
 }  // namespace octant

@@ -116,40 +116,6 @@ std::pmr::vector<LineSegment> scan_segments(const Scan& scan, const ScanLineOpti
   return segments;
 }
 
-std::vector<HoughLine> hough_lines(std::span<const Eigen::Vector2d> points, const ScanLineOptions& options) {
-  std::vector<HoughLine> lines;
-  double reach_m = 0.0;
-  for (const Eigen::Vector2d& p : points) reach_m = std::max(reach_m, p.norm());
-  const auto alphas = static_cast<std::size_t>(std::lround(2 * std::numbers::pi / options.hough_alpha_rad));
-  const auto cells = static_cast<std::size_t>(reach_m / options.hough_c_m) + 2;
-  std::vector<Eigen::Vector2d> left(points.begin(), points.end());
-  std::vector<int> table;
-  while (static_cast<int>(lines.size()) < options.hough_max_lines && !left.empty()) {
-    table.assign(alphas * cells, 0);
-    for (std::size_t a = 0; a < alphas; ++a) {
-      const double alpha = wrap_angle(static_cast<double>(a) * options.hough_alpha_rad);
-      const Eigen::Vector2d normal = direction_of(alpha);
-      for (const Eigen::Vector2d& p : left) {
-        const double c = normal.dot(p);  // eq. 4: the curve of a point in Hough space
-        if (c >= 0) ++table[a * cells + static_cast<std::size_t>(std::lround(c / options.hough_c_m))];
-      }
-    }
-    const auto peak = static_cast<std::size_t>(std::ranges::max_element(table) - table.begin());
-    if (table[peak] < options.hough_min_points) break;
-    HoughLine found;
-    found.points = table[peak];
-    found.line = {static_cast<double>(peak % cells) * options.hough_c_m,
-                  wrap_angle(static_cast<double>(peak / cells) * options.hough_alpha_rad)};
-    lines.push_back(found);
-    // Its points, and those that its neighbouring cells would make the same line of again.
-    std::erase_if(left, [&](const Eigen::Vector2d& p) {
-      return std::abs(found.line.distance_m(p)) <=
-             1.5 * options.hough_c_m + options.hough_alpha_rad * p.norm();
-    });
-  }
-  return lines;
-}
-
 LineSegment transformed(const LineSegment& segment, const Pose& T) {
   const Eigen::Matrix2d R = T.rotation.toRotationMatrix().topLeftCorner<2, 2>();
   const Eigen::Vector2d t = T.translation_m.head<2>();

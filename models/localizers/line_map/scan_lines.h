@@ -25,10 +25,6 @@ struct ScanLineOptions {
   double split_m = 0.06;   ///< eq. 3: a point farther off the line of an object's ends splits it
   int min_points = 8;      ///< of a segment
   double min_length_m = 0.3;
-  double hough_alpha_rad = 0.017453292519943295;  ///< cells of the Hough table, 1 degree
-  double hough_c_m = 0.1;
-  int hough_min_points = 15;  ///< a line with fewer is none
-  int hough_max_lines = 8;
 };
 
 /// A straight line in normal form, c = x cos(alpha) + y sin(alpha) (eq. 4), with c >= 0 and alpha in (-pi,
@@ -53,11 +49,6 @@ struct LineSegment {
   [[nodiscard]] Eigen::Vector2d along() const { return (to_m - from_m) / std::max(length_m(), 1e-12); }
 };
 
-struct HoughLine {
-  NormalLine line;  ///< middle of its cell
-  int points = 0;   ///< in that cell
-};
-
 /// Ends of the beams in the sensor's frame, in the order of the scan; beams that saw nothing are left out.
 [[nodiscard]] std::pmr::vector<Eigen::Vector2d> scan_points(const Scan& scan,
                                                             const ScanLineOptions& options = {});
@@ -78,11 +69,6 @@ struct HoughLine {
 /// All segments of a scan: points, objects, segments.
 [[nodiscard]] std::pmr::vector<LineSegment> scan_segments(const Scan& scan,
                                                           const ScanLineOptions& options = {});
-
-/// Straight lines by the Hough transform (Smieszek eq. 4): the cell with most points is a line; its points
-/// are taken out, and so on. Not hindered by gaps and outliers, but as coarse as its cells.
-[[nodiscard]] std::vector<HoughLine> hough_lines(std::span<const Eigen::Vector2d> points,
-                                                 const ScanLineOptions& options = {});
 
 /// The segment in another frame.
 [[nodiscard]] LineSegment transformed(const LineSegment& segment, const Pose& T_to_from);

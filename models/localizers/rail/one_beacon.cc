@@ -66,7 +66,7 @@ OneBeacon::OneBeacon(const Deployment& deployment, OneBeaconOptions options)
       deployment_(deployment),
       options_(options),
       last_(deployment.vehicles.size()),
-      ranges_(deployment, {.gates = options.gates, .spread_sigmas = options.spread_sigmas}),
+      ranges_(deployment, options.ranges),
       propagation_(deployment),
       sums_(3, deployment.beacons.size()),
       heading_rad_(options.heading_rad) {

@@ -37,8 +37,7 @@ struct OneBeaconOptions {
   std::optional<double> heading_rad{};
   double heading_sigma_rad = 2e-3;  ///< of a heading that is known
   Facing facing = Facing::kLeft;
-  RangeGates gates{};
-  double spread_sigmas = 6.0;     ///< of repeated times (PairRangesOptions)
+  PairRangesOptions ranges{};
   double gate_sigmas = 4.0;       ///< of circles that miss each other, and of beacons against each other
   double ambiguity_margin = 9.0;  ///< of squared sigmas: a second pose closer than this is as good
   double max_speed_mps =
@@ -49,8 +48,7 @@ struct OneBeaconOptions {
 
 /// Position of a vehicle from one beacon and its two receivers (C. Chang, Y. Li, J. M. Lee, "A TDOA-Based
 /// Ultrasonic Absolute Localizing System of a Rail Robot in Greenhouse"). Where the equations are: eq. 1-3
-/// arrival_range, the two rules range_gates, eq. 4-6 here, eq. 7-14 arc_rail and rail, eq. 15
-/// detection_threshold.
+/// arrival_range, the two rules range_gates, eq. 4-6 here; of a rail: rail.h.
 ///
 /// Each beacon that both receivers hear gives a place (eq. 4-6); receivers and beacons may be at different
 /// heights, which the known heights take out. Several beacons are adjusted together, from the first one's

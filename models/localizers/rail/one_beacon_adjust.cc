@@ -7,7 +7,7 @@
 
 #include <Eigen/LU>
 
-#include "models/localizers/least_squares/triangles.h"
+#include "models/changes/chi_square.h"
 #include "models/localizers/rail/one_beacon.h"
 #include "models/physics/plane.h"
 

@@ -29,7 +29,7 @@ RailLocalizer::RailLocalizer(const Deployment& deployment, RailOptions options)
     : Localizer(deployment),
       deployment_(deployment),
       options_(options),
-      ranges_(deployment, {.gates = options.gates, .spread_sigmas = options.spread_sigmas}),
+      ranges_(deployment, options.ranges),
       propagation_(deployment),
       sums_(3, deployment.beacons.size()),
       last_(deployment.vehicles.size()) {
@@ -147,40 +147,6 @@ FixStatus RailLocalizer::choose(std::span<const PairRange> pairs, const Fix& fix
   return 2 * chosen.agreeing < static_cast<int>(pairs.size()) ? FixStatus::kNoConsensus : FixStatus::kOk;
 }
 
-/// Eq. 7-14 for each range that agrees, from the last position; their weighted mean.
-bool RailLocalizer::published(std::span<const PairRange> pairs, const Place& exact, double& s_m) const {
-  const RailPoint before = rail_point(*rail_, s_m), now = rail_point(*rail_, exact.s_m);
-  double weights = 0.0, moved_m = 0.0;
-  for (const PairRange& pair : pairs) {
-    const Row agrees = row(pair, now);
-    if (std::abs(agrees.off_m) > options_.gate_sigmas * agrees.sigma_m) continue;
-    const Eigen::Vector3d& beacon = deployment_.beacons[pair.beacon.index()].position_m;
-    const Eigen::Vector3d receiver =
-        before.T_map_vehicle * deployment_.receivers[pair.receiver.index()].position_m;
-    const double rise_m = beacon.z() - receiver.z(), d2 = (pair.range_m - rise_m) * (pair.range_m + rise_m);
-    const Eigen::Vector2d to_receiver = receiver.head<2>() - rail_->centre_m,
-                          to_beacon = beacon.head<2>() - rail_->centre_m;
-    const double left = cross(to_beacon, to_receiver);
-    const double d_m = (receiver - beacon).head<2>().norm();
-    if (!(d2 > 0 && d_m > 0)) continue;
-    // The receiver runs on a circle of its own. On the right half of figure 3 everything is mirrored.
-    const ArcRail arc{.radius_m = to_receiver.norm(), .centre_m = to_beacon.norm()};
-    const auto angles = arc_angles(arc, d_m);
-    if (!angles) continue;
-    const auto next = arc_step(arc, {d_m, angles->phi_rad}, std::sqrt(d2));
-    if (!next) continue;
-    const Eigen::Vector2d p = arc_position_m(*next);  // eq. 8
-    const double alpha_next = std::atan2(-p.x(), p.y() + arc.centre_m);
-    const double turned_rad = wrap_angle(alpha_next - angles->alpha_rad) * (left >= 0 ? 1.0 : -1.0);
-    const double weight = agrees.by_s * agrees.by_s / (agrees.sigma_m * agrees.sigma_m);
-    weights += weight;
-    moved_m += weight * turned_rad * rail_->radius_m;
-  }
-  if (!(weights > 0)) return false;
-  s_m = rail_wrapped_m(*rail_, s_m + moved_m / weights);
-  return true;
-}
-
 /// The place on the rail held against those without each of its beacons, the rail itself known as stated; 0
 /// where one beacon alone tells it.
 double RailLocalizer::protection_level(std::span<const PairRange> pairs, const RailPoint& at,
@@ -199,16 +165,8 @@ double RailLocalizer::protection_level(std::span<const PairRange> pairs, const R
 }
 
 FixStatus RailLocalizer::finish(std::span<const PairRange> pairs, std::span<const Arrival> arrivals,
-                                Place place, Fix& fix) {
+                                const Place& place, Fix& fix) {
   Last& last = last_[fix.vehicle.index()];
-  const RailPoint found = rail_point(*rail_, place.s_m);
-  const bool by_published_step =
-      options_.arc == ArcSolution::kPublished && rail_->shape == Rail::Shape::kArc && last.known;
-  if (by_published_step) {
-    double s_m = last.s_m;
-    if (!published(pairs, place, s_m)) return FixStatus::kPoorGeometry;
-    place.s_m = s_m;
-  }
   const RailPoint at = rail_point(*rail_, place.s_m);
   fix.T_map_vehicle = at.T_map_vehicle;
   const Eigen::Vector2d along = at.by_s.head<2>();
@@ -216,7 +174,7 @@ FixStatus RailLocalizer::finish(std::span<const PairRange> pairs, std::span<cons
   propagation_.clear();
   for (const bool add : {false, true}) {
     for (const PairRange& pair : pairs) {
-      const Row r = row(pair, found);
+      const Row r = row(pair, at);
       const double z = r.off_m / r.sigma_m, weight = r.by_s / (r.sigma_m * r.sigma_m);
       if (std::abs(z) > options_.gate_sigmas) {
         reject_pair(arrivals, pair, z > 0 ? Rejection::kLate : Rejection::kEarly, fix.rejections);
@@ -243,7 +201,7 @@ FixStatus RailLocalizer::finish(std::span<const PairRange> pairs, std::span<cons
       options_.rail_sigma_m * options_.rail_sigma_m * by_sway * by_sway.transpose() +
       options_.heading_sigma_rad * options_.heading_sigma_rad * by_turn * by_turn.transpose();
   fix.covariance = covariance;
-  if (!by_published_step) fix.protection_level_m = protection_level(pairs, found, covariance);
+  fix.protection_level_m = protection_level(pairs, at, covariance);
   if (!covariance.allFinite() ||
       !(covariance.topLeftCorner<2, 2>().trace() < options_.max_sigma_m * options_.max_sigma_m))
     return FixStatus::kPoorGeometry;

@@ -11,20 +11,12 @@
 #include "models/localizers/common/pair_ranges.h"
 #include "models/localizers/common/range_propagation.h"
 #include "models/localizers/common/separation.h"
-#include "models/localizers/rail/arc_rail.h"
 #include "models/localizers/rail/rail_path.h"
 
 namespace octant {
 
-enum class ArcSolution {
-  kExact,     ///< range to a point on a circle
-  kPublished  ///< Chang eq. 7-14: a first-order step from the last position; the first fix is exact
-};
-
 struct RailOptions {
-  ArcSolution arc = ArcSolution::kExact;
-  RangeGates gates{};
-  double spread_sigmas = 6.0;     ///< of repeated times (PairRangesOptions)
+  PairRangesOptions ranges{};
   double gate_sigmas = 4.0;       ///< of a range against the others
   double ambiguity_margin = 9.0;  ///< of squared sigmas: a second place closer than this is as good
   double early_penalty =
@@ -37,10 +29,12 @@ struct RailOptions {
   double max_sigma_m = 1.0;  ///< a larger sigma along the rail is poor geometry
 };
 
-/// Place of a vehicle on its rail, straight or arc (Chang, section 2, eq. 7-14). One unknown, so one range is
-/// enough but for the sign: two places of a rail are equally far from a beacon. The other receiver, the other
-/// beacons, the ends of the rail and the last position tell them apart; otherwise kAmbiguous. All ranges that
-/// agree are adjusted together with their weights, so that one beacon hands over to the next without a seam.
+/// Place of a vehicle on its rail, straight or arc (Chang, section 2; the range to a point of the arc as it
+/// is, not the first-order step of eq. 7-14, which is off by 19 mm after stops 0.28 m apart). One unknown, so
+/// one range is enough but for the sign: two places of a rail are equally far from a beacon. The other
+/// receiver, the other beacons, the ends of the rail and the last position tell them apart; otherwise
+/// kAmbiguous. All ranges that agree are adjusted together with their weights, so that one beacon hands over
+/// to the next without a seam.
 ///
 /// Where the vehicle was bounds where it is: a single beacon is not believed farther away than the vehicle
 /// can have moved, which catches one that both receivers hear late alike; two beacons that agree are, so a
@@ -48,8 +42,7 @@ struct RailOptions {
 ///
 /// Fix: kTooFewArrivals (no range, or a single one that no last position confirms), kNoConsensus (ranges that
 /// no place explains, or none within reach; fewer than half agree), kPoorGeometry (abreast of the only
-/// beacon), kAmbiguous. A fix of two beacons or more has a protection level (separation.h), but for
-/// ArcSolution::kPublished, whose step is no adjustment.
+/// beacon), kAmbiguous. A fix of two beacons or more has a protection level (separation.h).
 class RailLocalizer : public Localizer {
  public:
   explicit RailLocalizer(const Deployment& deployment, RailOptions options = {});
@@ -83,10 +76,9 @@ class RailLocalizer : public Localizer {
   [[nodiscard]] FixStatus choose(std::span<const PairRange> pairs, const Fix& fix, Place& chosen);
   [[nodiscard]] bool in_reach(const Fix& fix, const Place& place) const;
   [[nodiscard]] FixStatus finish(std::span<const PairRange> pairs, std::span<const Arrival> arrivals,
-                                 Place place, Fix& fix);
+                                 const Place& place, Fix& fix);
   [[nodiscard]] double protection_level(std::span<const PairRange> pairs, const RailPoint& at,
                                         const Eigen::Matrix3d& covariance);
-  [[nodiscard]] bool published(std::span<const PairRange> pairs, const Place& exact, double& s_m) const;
 
   Deployment deployment_;
   RailOptions options_;

@@ -4,15 +4,17 @@
 // Shoval and Borenstein's laboratory: two robots with receivers 350 mm apart and a transmitter between them,
 // and the signal from burst to comparator.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "models/deployment.h"
 #include "models/localizers/binaural/binaural.h"
-#include "models/localizers/head_tail/pulse_trains.h"
 #include "models/run.h"
 #include "models/simulator/random.h"
 
@@ -109,13 +111,60 @@ struct Sonar {
   }
 };
 
+/// Rising edges of a comparator's train, up to one for each cycle of the burst: the first [s], and their mean
+/// phase within the carrier's period, taken on the circle, where an edge that was missed leaves it as it was.
+struct Edges {
+  int count = 0;
+  double first_s = 0.0;
+  double phase_rad = 0.0;
+};
+
+inline Edges rising_edges(std::span<const std::uint8_t> train, const Sonar& sonar) {
+  Edges edges;
+  double cosine = 0.0, sine = 0.0;
+  for (std::size_t i = 1; i < train.size() && edges.count < sonar.cycles; ++i) {
+    if (train[i - 1] != 0 || train[i] == 0) continue;
+    const double edge_s = (static_cast<double>(i) - 0.5) / sonar.sample_rate_hz;
+    if (edges.count++ == 0) edges.first_s = edge_s;
+    const double phase = 2 * std::numbers::pi * sonar.carrier_hz * (edge_s - edges.first_s);
+    cosine += std::cos(phase);
+    sine += std::sin(phase);
+  }
+  // Relative to the first edge until here, which keeps the angles small and so exact.
+  const double first = std::remainder(sonar.carrier_hz * edges.first_s, 1.0) * 2 * std::numbers::pi;
+  edges.phase_rad = wrap_angle(first + std::atan2(sine, cosine));
+  return edges;
+}
+
+/// Times of flight to two receivers from their trains (Shoval and Borenstein, figure 2): their mean from the
+/// first edges, good over any distance; their difference from the phase of all edges, good to a fraction of a
+/// sample but only within one period, of which the first edges tell the cycle. Nothing without a burst in
+/// either.
+inline std::optional<std::array<double, 2>> pulse_times_s(std::span<const std::uint8_t> left,
+                                                          std::span<const std::uint8_t> right,
+                                                          const Sonar& sonar) {
+  constexpr int kLeastEdges = 4;
+  const Edges l = rising_edges(left, sonar), r = rising_edges(right, sonar);
+  if (l.count < kLeastEdges || r.count < kLeastEdges) return std::nullopt;
+  const double by_phase = wrap_angle(r.phase_rad - l.phase_rad) / (2 * std::numbers::pi);
+  const double cycles = std::round((r.first_s - l.first_s) * sonar.carrier_hz - by_phase);
+  const double difference_s = (by_phase + cycles) / sonar.carrier_hz, mean_s = (l.first_s + r.first_s) / 2;
+  return std::array<double, 2>{mean_s - difference_s / 2, mean_s + difference_s / 2};
+}
+
+/// Strength off a sonar's axis relative to that on it: 1 up to 10 degrees, a cosine's fall to nothing at 35.
+inline double sonar_gain(double off_axis_rad) {
+  const double share = (std::abs(off_axis_rad) - 10 * kDegree) / (25 * kDegree);
+  return std::cos(std::clamp(share, 0.0, 1.0) * std::numbers::pi / 2);
+}
+
 /// What stands in the way of each link: strength that passes, and the way round.
 struct Obstruction {
   std::array<double, 4> gain = {1, 1, 1, 1};
   std::array<double, 4> detour_m = {0, 0, 0, 0};
 };
 
-/// One measuring cycle of both robots, from bursts to arrivals. T may be tilted; beams weaken as `beam_gain`
+/// One measuring cycle of both robots, from bursts to arrivals. T may be tilted; beams weaken as `sonar_gain`
 /// says, at both ends, horizontally. Nothing where a train holds no burst.
 inline std::vector<Arrival> chirp(const Deployment& d, const Pose& T, const Sonar& sonar, Random& random,
                                   const Obstruction& way = {}) {
@@ -131,15 +180,13 @@ inline std::vector<Arrival> chirp(const Deployment& d, const Pose& T, const Sona
       const Eigen::Vector2d flat = sight.head<2>().normalized();
       const double off2 = std::acos(std::min(1.0, flat.x())),
                    off1 = std::acos(std::min(1.0, -flat.dot(facing1)));
-      const double gain =
-          beam_gain(off1, {.limit_rad = 35 * kDegree}) * beam_gain(off2, {.limit_rad = 35 * kDegree});
+      const double gain = sonar_gain(off1) * sonar_gain(off2);
       train[k] = sonar.hear(sight.norm() + way.detour_m[pair + k], gain * way.gain[pair + k], speed, random);
     }
-    const PulseTiming timing = time_pulse_trains(train[0], train[1]);
-    if (!timing.ok) continue;
+    const auto tof_s = pulse_times_s(train[0], train[1], sonar);
+    if (!tof_s) continue;
     for (std::size_t k = 0; k < 2; ++k)
-      out.push_back(
-          arrival(kLinks[pair + k][0], kLinks[pair + k][1], k == 0 ? timing.left_tof_s : timing.right_tof_s));
+      out.push_back(arrival(kLinks[pair + k][0], kLinks[pair + k][1], (*tof_s)[k]));
   }
   return out;
 }

@@ -26,33 +26,6 @@ std::vector<OdometryStep> any_steps(std::size_t count, Random& draws) {
   return steps;
 }
 
-TEST(BodySpeed, OfEqualWheelsIsStraightAndOfOppositeOnesATurnOnTheSpot) {
-  EXPECT_EQ(body_speed(0.4, 0.4, 0.5).speed_mps, 0.4);
-  EXPECT_EQ(body_speed(0.4, 0.4, 0.5).turn_rate_radps, 0.0);
-  EXPECT_EQ(body_speed(-0.25, 0.25, 0.5).speed_mps, 0.0);
-  EXPECT_EQ(body_speed(-0.25, 0.25, 0.5).turn_rate_radps, 1.0)
-      << "counter-clockwise where the right is faster";
-  // About the left wheel: the centre goes half as fast as the right one, round a circle of half the track.
-  const BodySpeed about_left = body_speed(0.0, 0.6, 0.5);
-  EXPECT_DOUBLE_EQ(about_left.speed_mps / about_left.turn_rate_radps, 0.25);
-}
-
-// The step is straight: off the arc by v omega dt^2 / 2, so that halving the period halves what is off.
-TEST(Advance, GoesToTheArcWithThePeriod) {
-  const BodySpeed body{.speed_mps = 0.5, .turn_rate_radps = 0.8};
-  const double total_s = 2.0, turn = 0.8 * total_s, radius_m = 0.5 / 0.8;
-  const Eigen::Vector2d arc(radius_m * std::sin(turn), radius_m * (1 - std::cos(turn)));
-  double before_m = 0.0;
-  for (const int steps : {50, 100, 200}) {
-    Pose T;
-    for (int i = 0; i < steps; ++i) T = advance(T, body, total_s / steps);
-    const double off_m = (T.translation_m.head<2>() - arc).norm();
-    EXPECT_NEAR(T.heading_rad(), turn, 1e-12);
-    if (before_m > 0) EXPECT_NEAR(off_m / before_m, 0.5, 0.02);
-    before_m = off_m;
-  }
-}
-
 RC_GTEST_PROP(AdvanceState, CarriesTheCovarianceByItsDerivative, ()) {
   Random draws(static_cast<std::uint64_t>(*rc::gen::arbitrary<std::uint32_t>()));
   const OdometryStep step = any_steps(1, draws)[0];

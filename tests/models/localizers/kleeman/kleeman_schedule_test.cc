@@ -27,7 +27,7 @@ TEST(FiringSchedule, OfThePrototypeIsNineTenthsOfASecond) {
 TEST(ShortestFire, AgreesWithThePaper) {
   EXPECT_NEAR(shortest_fire_s({.threshold_v = 0.087}), 0.416, 0.0005);
   EXPECT_NEAR(shortest_fire_s({.threshold_v = 0.087, .speed_mps = 300.0}), 0.480, 0.0015);
-  EXPECT_NEAR(least_absorbed_fraction({.reflections = 5}, 0.150), 0.04, 0.005);
+  EXPECT_NEAR(shortest_fire_s({.absorbed_fraction = 0.04, .reflections = 5}), 0.150, 0.004);
 }
 
 /// Amplitude of an echo that has gone round for so long, after n reflections.
@@ -48,17 +48,6 @@ RC_GTEST_PROP(ShortestFire, IsWhenAnEchoSinksBelowTheThreshold, ()) {
   const double fire_s = shortest_fire_s(d);
   RC_ASSERT(std::abs(echo_v(d, fire_s) - d.threshold_v) < 1e-12 * d.threshold_v);
   RC_ASSERT(echo_v(d, 1.01 * fire_s) < d.threshold_v);
-  // The same rule solved for the absorption.
-  if (d.reflections > 0)
-    RC_ASSERT(std::abs(least_absorbed_fraction(d, fire_s) - d.absorbed_fraction) < 1e-12);
-}
-
-TEST(LeastAbsorbedFraction, IsNoneWhereTheTimeIsLongEnough) {
-  FiringDesign d;
-  d.reflections = 3;
-  EXPECT_EQ(least_absorbed_fraction(d, 10.0), 0.0);
-  d.reflections = 0;
-  EXPECT_EQ(least_absorbed_fraction(d, 1e-3), 0.0) << "nothing reflects, so nothing is absorbed";
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "models/localizers/least_squares/direct_fix.h"
+#include "models/localizers/least_squares/epoch_fix.h"
 
 #include <random>
 
@@ -19,16 +19,16 @@ using test::with_octagon;
 
 /// The same epoch by the search of all that pairs of arrivals propose, and by a way under test.
 struct Both {
-  using Way = void (*)(Trajectory&, const Segment&, const EpochFixModel&, const EpochFixOptions&, Fix&);
   Fix searched, direct;
-  Both(const Deployment& d, const std::vector<Arrival>& arrivals, Way way = fix_directly) {
+  Both(const Deployment& d, const std::vector<Arrival>& arrivals, bool closed_form_first = true) {
     const EpochFixModel model = epoch_fix_model(d);
     for (Fix* fix : {&searched, &direct}) {
       Trajectory t;
       set_epoch(t, arrivals, {}, trajectory_model(d));
       EpochFixOptions options;
       options.bounded_search = fix == &direct;
-      (fix == &direct ? way : static_cast<Way>(fix_epoch))(t, t.segments[0], model, options, *fix);
+      options.closed_form_first = fix == &direct && closed_form_first;
+      fix_epoch(t, t.segments[0], model, options, *fix);
     }
   }
   void expect_alike(int k) const {
@@ -96,7 +96,7 @@ TEST(DirectFix, ABoundedSearchEndsWhereAFullOneDoes) {
       const auto shadowed = static_cast<std::size_t>(12 * uniform(random));
       for (Arrival& a : arrivals)
         if (a.beacon.index() == shadowed || uniform(random) < 0.1) a.tof_s += 3e-4 + 5e-3 * uniform(random);
-      const Both both(d, arrivals, fix_epoch);
+      const Both both(d, arrivals, /*closed_form_first=*/false);
       ambiguous += both.searched.status == FixStatus::kAmbiguous;
       differing += both.searched.status != both.direct.status ||
                    (both.searched.ok() && both.searched.rejections != both.direct.rejections);

@@ -14,6 +14,9 @@
 
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+#include "models/changes/chi_square.h"
 
 namespace octant {
 namespace {

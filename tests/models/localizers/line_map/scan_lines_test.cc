@@ -51,26 +51,7 @@ Scan driveway_scan(double noise_m, Random& random) {
       random);
 }
 
-TEST(Table1, HoughFindsTheThreeLines) {
-  Random random(1);
-  const auto lines = hough_lines(scan_points(driveway_scan(0.02, random)));
-  ASSERT_EQ(lines.size(), 3u);
-  for (const Row& row : kTable1) {
-    bool is_found = false;
-    for (const HoughLine& found : lines) {
-      // A cell is 1 degree by 0.1 m; the best may be a neighbour of the true one in angle, two where points
-      // are near.
-      is_found = is_found || (std::abs(found.line.alpha_rad / kDegree - row.alpha_deg) < 1.01 &&
-                              std::abs(1000 * found.line.c_m - row.c_mm) < 101);
-    }
-    EXPECT_TRUE(is_found) << row.c_mm << " " << row.alpha_deg;
-  }
-  for (const HoughLine& found : lines)
-    std::cout << 1000 * found.line.c_m << " mm at " << found.line.alpha_rad / kDegree << " deg, "
-              << found.points << " points\n";
-}
-
-TEST(Table1, IterativeSegmentsAreFiner) {
+TEST(Table1, IterativeSegmentsFindTheThreeLines) {
   Random random(2);
   const auto segments = scan_segments(driveway_scan(0.02, random), {.split_m = 0.08});
   for (const LineSegment& s : segments)
@@ -141,28 +122,6 @@ TEST(Segments, JoinAndMove) {
   EXPECT_NEAR(carried.line.c_m, there.line.c_m, 1e-12);
   EXPECT_NEAR(carried.line.alpha_rad, there.line.alpha_rad, 1e-12);
   EXPECT_FALSE(may_join(whole, carried, {}));
-}
-
-TEST(Odometry, Equation1IsAnArcInShortSteps) {
-  const BodySpeed body = body_speed(0.45, 0.55, 0.5);
-  EXPECT_DOUBLE_EQ(body.speed_mps, 0.5);
-  EXPECT_DOUBLE_EQ(body.turn_rate_radps, 0.2);
-  const double total_s = 10.0, radius = body.speed_mps / body.turn_rate_radps,
-               turn = total_s * body.turn_rate_radps;
-  const Eigen::Vector2d truth(radius * std::sin(turn), radius * (1 - std::cos(turn)));
-  double before = 0.0;
-  for (const int steps : {100, 200, 400}) {
-    Pose T;
-    for (int i = 0; i < steps; ++i) T = advance(T, body, total_s / steps);
-    const double off = (T.translation_m.head<2>() - truth).norm();
-    // Chords in the direction of their ends: turned by half a step's turn as a whole.
-    EXPECT_NEAR(off, truth.norm() * turn / steps / 2, 0.01 * off);
-    if (before > 0) {
-      EXPECT_NEAR(before / off, 2.0, 0.02);
-    }
-    before = off;
-    EXPECT_NEAR(T.heading_rad(), turn, 1e-9);
-  }
 }
 
 TEST(Odometry, CovarianceIsConsistent) {

@@ -274,7 +274,8 @@ TEST(OneBeacon, TheRulesTakeEchoesOut) {
   }
   std::sort(arrivals.begin(), arrivals.end(),
             [](const Arrival& a, const Arrival& b) { return a.time_s < b.time_s; });
-  const Fix fix = locate(d, arrivals, {.heading_rad = 0.1, .gates = {.min_m = 0.6, .max_m = 9.0}});
+  const Fix fix =
+      locate(d, arrivals, {.heading_rad = 0.1, .ranges = {.gates = {.min_m = 0.6, .max_m = 9.0}}});
   expect_pose(fix, truth);
   EXPECT_EQ(std::count(fix.rejections.begin(), fix.rejections.end(), Rejection::kReflection), 2);
   EXPECT_EQ(std::count(fix.rejections.begin(), fix.rejections.end(), Rejection::kOutOfRange), 2);

@@ -110,31 +110,6 @@ TEST(Rail, IsExactOnAnArc) {
   for (double s = -12.5; s < 12.5; s += 0.11) expect_at(locate(d, arrivals_at(d, s)), kArc, s);
 }
 
-TEST(Rail, ThePublishedArcStepFallsBehindTheExactOneBySecondOrder) {
-  const Deployment d = on_rail(kArc, {{10.5, 9.0, 2.0}, {1.0, 1.0, 2.2}, {11.0, 0.5, 1.9}});
-  double before_m = 0.0;
-  for (const double step_m : {0.4, 0.2, 0.1, 0.05}) {
-    RailLocalizer published(d, {.arc = ArcSolution::kPublished}), exact(d);
-    double worst_m = 0.0;
-    for (int i = 0; i * step_m < 10; ++i) {
-      const auto arrivals = arrivals_at(d, i * step_m, 0.0, i * 0.5);
-      expect_at(locate(exact, arrivals), kArc, i * step_m);
-      const Fix fix = locate(published, arrivals);
-      ASSERT_TRUE(fix.ok());
-      worst_m = std::max(worst_m, (fix.T_map_vehicle.translation_m -
-                                   rail_point(kArc, i * step_m).T_map_vehicle.translation_m)
-                                      .norm());
-    }
-    RecordProperty("published_worst_mm_at_step_" + std::to_string(static_cast<int>(1e3 * step_m)),
-                   std::to_string(1e3 * worst_m));
-    EXPECT_GT(worst_m, 1e-6);
-    if (before_m > 0) {
-      EXPECT_LT(worst_m, 0.5 * before_m);  // second order: a quarter, and what the last step left
-    }
-    before_m = worst_m;
-  }
-}
-
 TEST(Rail, CovarianceIsThatOfNumericDerivatives) {
   for (const Rail& rail : {kStraight, kArc}) {
     const Deployment d = on_rail(rail, {{9.0, 7.5, 2.0}, {3.0, -2.0, 1.8}});
@@ -277,16 +252,14 @@ TEST(Rail, WhereNothingIsKnownTheReasonIs) {
 
 TEST(Rail, AllocatesNothing) {
   const Deployment d = on_rail(kArc, {{10.5, 9.0, 2.0}, {1.0, 1.0, 2.2}, {11.0, 0.5, 1.9}});
-  for (const ArcSolution arc : {ArcSolution::kExact, ArcSolution::kPublished}) {
-    RailLocalizer localizer(d, {.arc = arc});
-    const auto first = arrivals_at(d, 1.0, 1e-5), second = arrivals_at(d, 1.2, 1e-5, 0.5);
-    Fix fix = RailLocalizer(d).locate({.arrivals = first, .bearings = {}});
-    const std::size_t before = test::allocations();
-    localizer.locate({.arrivals = first, .bearings = {}}, fix);
-    localizer.locate({.arrivals = second, .bearings = {}}, fix);
-    EXPECT_EQ(test::allocations(), before);
-    EXPECT_TRUE(fix.ok());
-  }
+  RailLocalizer localizer(d);
+  const auto first = arrivals_at(d, 1.0, 1e-5), second = arrivals_at(d, 1.2, 1e-5, 0.5);
+  Fix fix = RailLocalizer(d).locate({.arrivals = first, .bearings = {}});
+  const std::size_t before = test::allocations();
+  localizer.locate({.arrivals = first, .bearings = {}}, fix);
+  localizer.locate({.arrivals = second, .bearings = {}}, fix);
+  EXPECT_EQ(test::allocations(), before);
+  EXPECT_TRUE(fix.ok());
 }
 
 TEST(Rail, SaysWhatADeploymentLacks) {
