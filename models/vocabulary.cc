@@ -6,6 +6,7 @@
 #include "models/fix.h"
 #include "models/run.h"
 #include "models/site.h"
+#include "models/support/enum_names.h"
 
 namespace octant {
 namespace {
@@ -83,42 +84,21 @@ ReceiverId NameTable::find_receiver(VehicleId vehicle, std::string_view name) co
 }
 
 const char* to_string(BeaconStatus status) {
-  switch (status) {
-    case BeaconStatus::kCalibrated: return "calibrated";
-    case BeaconStatus::kControlPoint: return "control_point";
-    case BeaconStatus::kUndetermined: return "undetermined";
-  }
-  return "undetermined";
+  static constexpr auto kNames = enum_names<BeaconStatus>("calibrated", "control_point", "undetermined");
+  return kNames[status];
 }
 
 const char* to_string(FixStatus status) {
-  switch (status) {
-    case FixStatus::kOk: return "ok";
-    case FixStatus::kTooFewArrivals: return "too_few_arrivals";
-    case FixStatus::kPoorGeometry: return "poor_geometry";
-    case FixStatus::kAmbiguous: return "ambiguous";
-    case FixStatus::kNoConsensus: return "no_consensus";
-    case FixStatus::kNotConverged: return "not_converged";
-  }
-  return "not_converged";
+  static constexpr auto kNames = enum_names<FixStatus>("ok", "too_few_arrivals", "poor_geometry", "ambiguous",
+                                                       "no_consensus", "not_converged");
+  return kNames[status];
 }
 
 const char* to_string(Rejection rejection) {
-  switch (rejection) {
-    case Rejection::kUsed: return "used";
-    case Rejection::kLate: return "late";
-    case Rejection::kEarly: return "early";
-    case Rejection::kBeaconUnusable: return "beacon_unusable";
-    case Rejection::kNoPose: return "no_pose";
-    case Rejection::kTriangle: return "triangle";
-    case Rejection::kOutOfRange: return "out_of_range";
-    case Rejection::kReflection: return "reflection";
-    case Rejection::kOutvoted: return "outvoted";
-    case Rejection::kNotNeeded: return "not_needed";
-    case Rejection::kUnknownId: return "unknown_id";
-    case Rejection::kBeaconFault: return "beacon_fault";
-  }
-  return "no_pose";
+  static constexpr auto kNames =
+      enum_names<Rejection>("used", "late", "early", "beacon_unusable", "no_pose", "triangle", "out_of_range",
+                            "reflection", "outvoted", "not_needed", "unknown_id", "beacon_fault");
+  return kNames[rejection];
 }
 
 Integrity integrity(const Fix& fix) {
@@ -128,12 +108,8 @@ Integrity integrity(const Fix& fix) {
 }
 
 const char* to_string(Integrity integrity) {
-  switch (integrity) {
-    case Integrity::kOk: return "ok";
-    case Integrity::kDegraded: return "degraded";
-    case Integrity::kNoFix: return "no_fix";
-  }
-  return "no_fix";
+  static constexpr auto kNames = enum_names<Integrity>("ok", "degraded", "no_fix");
+  return kNames[integrity];
 }
 
 const char* integrity_reason(const Fix& fix) {

@@ -2,37 +2,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "models/changes/change.h"
 
-#include <array>
 #include <cmath>
+
+#include "models/support/enum_names.h"
 
 namespace octant {
 namespace {
 
-struct KindWords {
-  ChangeKind kind;
-  const char* name;
-  const char* unit;
-};
-constexpr std::array<KindWords, 7> kKindWords = {{{ChangeKind::kBeaconMoved, "beacon_moved", "m"},
-                                                  {ChangeKind::kDelay, "delay", "s"},
-                                                  {ChangeKind::kReceiver, "receiver", "m"},
-                                                  {ChangeKind::kSpeed, "speed", "m/s"},
-                                                  {ChangeKind::kExchanged, "exchanged", "m"},
-                                                  {ChangeKind::kDatum, "datum", "m"},
-                                                  {ChangeKind::kAmplitude, "amplitude", "1"}}};
-
-const KindWords& words_of(ChangeKind kind) { return kKindWords[static_cast<std::size_t>(kind)]; }
+constexpr auto kChangeNames =
+    enum_names<ChangeKind>("beacon_moved", "delay", "receiver", "speed", "exchanged", "datum", "amplitude");
+constexpr auto kChangeUnits = enum_names<ChangeKind>("m", "s", "m", "m/s", "m", "m", "1");
 
 }  // namespace
 
-const char* to_string(ChangeKind kind) { return words_of(kind).name; }
-const char* unit_of(ChangeKind kind) { return words_of(kind).unit; }
-
-std::optional<ChangeKind> change_kind(std::string_view name) {
-  for (const KindWords& w : kKindWords)
-    if (name == w.name) return w.kind;
-  return std::nullopt;
-}
+const char* to_string(ChangeKind kind) { return kChangeNames[kind]; }
+const char* unit_of(ChangeKind kind) { return kChangeUnits[kind]; }
+std::optional<ChangeKind> change_kind(std::string_view name) { return kChangeNames.find(name); }
 
 Drift Drift::of_months(double months) {
   const Drift at_once, a_month{1.0e-4, 3.0e-7, 5.0e-5, 0.03, 0.005, 0.005};

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "models/support/enum_names.h"
+
 namespace octant {
 namespace {
 
@@ -46,12 +48,8 @@ std::optional<double> temperature_at(const Medium& medium, double wanted_mps) {
 }
 
 std::string_view to_string(MediumModel model) {
-  switch (model) {
-    case MediumModel::kConstant: return "constant";
-    case MediumModel::kLinearTemperature: return "linear_temperature";
-    case MediumModel::kCramer1993: return "cramer1993";
-  }
-  return "constant";
+  static constexpr auto kNames = enum_names<MediumModel>("constant", "linear_temperature", "cramer1993");
+  return kNames[model];
 }
 
 double air_absorption_np_per_m(double frequency_hz, double temperature_degC, double relative_humidity,
