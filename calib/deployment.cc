@@ -9,6 +9,7 @@
 #include "calib/problem/ranges.h"
 #include "calib/verdict/reach.h"
 #include "calib/verdict/validity.h"
+#include "models/physics/polygon.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/physics/plane.h"
+#include "models/physics/polygon.h"
 #include "models/support/utc_time.h"
 #include "models/trajectory/planar.h"
 
@@ -76,15 +76,7 @@ std::optional<std::array<double, 2>> stated_temperatures(const MeasurementLog& r
 }
 
 double distance_from_area_m(const std::vector<Eigen::Vector2d>& area, const Eigen::Vector2d& point) {
-  if (area.empty()) return 0.0;
-  bool inside = area.size() > 2;
-  double nearest_m = INFINITY;
-  for (std::size_t i = 0; i < area.size(); ++i) {
-    const Eigen::Vector2d &a = area[i], &b = area[(i + 1) % area.size()];
-    inside = inside && cross(b - a, point - a) >= 0.0;
-    nearest_m = std::min(nearest_m, distance_from_segment(a, b, point));
-  }
-  return inside ? 0.0 : nearest_m;
+  return area.empty() || is_inside(area, point) ? 0.0 : distance_to_outline_m(area, point);
 }
 
 OutsideValidity outside_validity(const Deployment& d, const MeasurementLog& run, std::span<const Fix> fixes) {

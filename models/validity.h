@@ -53,8 +53,8 @@ struct CalibrationDue {
 /// have 30.44 days.
 [[nodiscard]] std::optional<CalibrationDue> calibration_due(const Deployment& deployment);
 
-/// Distance of a point from a convex area, counter-clockwise as Deployment::validity_area_m (a line or a
-/// point may stand for it); 0 within [m].
+/// Distance of a point from an area as Deployment::validity_area_m (a line or a point may stand for it); 0
+/// within [m].
 [[nodiscard]] double distance_from_area_m(const std::vector<Eigen::Vector2d>& area_m,
                                           const Eigen::Vector2d& point_m);
 

@@ -13,6 +13,7 @@
 #include "calib/problem/flips.h"
 #include "calib/stream/trajectory_buffer.h"
 #include "calib/verdict/validity.h"
+#include "models/physics/polygon.h"
 
 namespace octant::calib {
 namespace {

@@ -13,9 +13,6 @@
 
 namespace octant::calib {
 
-/// Convex hull by Andrew's monotone chain, counter-clockwise.
-[[nodiscard]] std::vector<Eigen::Vector2d> convex_hull(std::vector<Eigen::Vector2d> points);
-
 /// Where vehicles were, and how warm it was when something was heard.
 struct LogExtent {
   std::vector<Eigen::Vector2d> places_m;

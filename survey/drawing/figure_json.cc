@@ -244,35 +244,48 @@ Json lines_trace(const std::vector<NamedLine>& lines, const char* kind, const ch
   return trace;
 }
 
+/// Moves as the plan draws them: from where a beacon hung, so many times as far.
+std::vector<NamedLine> move_lines(const PlanInput& plan, double size) {
+  std::vector<NamedLine> lines;
+  const double factor = move_exaggeration(plan, size);
+  for (const PlanMove& move : plan.moves)
+    if (const DeploymentBeacon* b = drawn_beacon(plan.deployment, move.beacon)) {
+      const Eigen::Vector2d to = b->position_m.head<2>();
+      lines.push_back(
+          {fmt::format("of {}, {:g} times", b->name, factor), {to - factor * move.shift_m.head<2>(), to}});
+    }
+  return lines;
+}
+
 }  // namespace
 
-std::string plan_figure_json(const PlanInput& input, const PlanLines& lines) {
+std::string plan_figure_json(const PlanInput& input) {
   const PlanFrame frame = plan_frame(input);
   const double size = frame.extent_m();
   Json data = Json::array();
   for (std::size_t k = 0; k < input.maps.size(); ++k) data.push_back(map_trace(input.maps[k], k));
   if (input.deployment.validity_area_m.size() > 2) {
-    Json area = line_trace(lines.area.c_str(), "var(--control)", "dash");
+    Json area = line_trace(input.area_name.c_str(), "var(--control)", "dash");
     area["hoverinfo"] = "skip";
     for (const auto& p : input.deployment.validity_area_m) put(area, {p.x(), p.y(), 0}, size, false);
     put(area, {input.deployment.validity_area_m[0].x(), input.deployment.validity_area_m[0].y(), 0}, size,
         false);
     data.push_back(std::move(area));
   }
-  if (!lines.walls.empty()) data.push_back(lines_trace(lines.walls, "wall", "solid", size));
-  if (!lines.routes.empty()) data.push_back(lines_trace(lines.routes, "route", "dash", size));
-  if (!lines.moves.empty()) data.push_back(lines_trace(lines.moves, "move", "solid", size));
+  if (!input.walls.empty()) data.push_back(lines_trace(input.walls, "wall", "solid", size));
+  if (!input.routes.empty()) data.push_back(lines_trace(input.routes, "route", "dash", size));
+  if (const auto moves = move_lines(input, size); !moves.empty())
+    data.push_back(lines_trace(moves, "move", "solid", size));
   add_tracks(data, input, size, false);
   add_beacon_traces(data, input.deployment, ellipse_exaggeration(input.deployment, size), size, false,
-                    lines.beacon);
+                    input.beacon_name);
   for (std::size_t k = 0; k < input.maps.size(); ++k) {
-    for (const auto& b : input.deployment.beacons) {
-      if (b.name != input.maps[k].silent_beacon || !is_drawn(b)) continue;
-      Json cross = marker_trace("silent", "var(--bad)", "x-thin-open", 18);
-      cross.update({{"layer", k}, {"visible", k == 0}, {"showlegend", false}});
-      put(cross, b.position_m, size, false);
-      data.push_back(std::move(cross));
-    }
+    const DeploymentBeacon* silent = drawn_beacon(input.deployment, input.maps[k].silent_beacon);
+    if (silent == nullptr) continue;
+    Json cross = marker_trace("silent", "var(--bad)", "x-thin-open", 18);
+    cross.update({{"layer", k}, {"visible", k == 0}, {"showlegend", false}});
+    put(cross, silent->position_m, size, false);
+    data.push_back(std::move(cross));
   }
   Json y = axis("y [m]");
   y.update({{"scaleanchor", "x"}, {"scaleratio", 1}});
@@ -308,9 +321,7 @@ std::string space_figure_json(const PlanInput& input) {
 }
 
 std::string residual_chart_json(const ResidualChart& chart) {
-  double largest_s = 0.0;
-  for (const auto& bin : chart.bins) largest_s = std::max(largest_s, bin.rms_s);
-  const Unit time = time_unit(largest_s);
+  const Unit time = chart.time();
   const bool names = chart.unit.empty();
   Json trace = marker_trace("mean, plus and minus the RMS", "var(--fix)", "circle", 9);
   Json error = Json::array(), wide = Json::array(), text = Json::array();

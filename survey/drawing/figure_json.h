@@ -14,19 +14,8 @@ namespace octant::survey {
 // names of the page's custom properties ("var(--beacon)"), which its script looks up, so that they follow the
 // light or dark scheme.
 
-/// A line of the place with its name: a wall, an obstacle's outline, a route.
-struct NamedLine {
-  std::string name;
-  std::vector<Eigen::Vector2d> points_m;
-  bool closed = false;
-};
-struct PlanLines {
-  std::vector<NamedLine> walls, routes, moves;
-  std::string area = "calibrated area", beacon = "calibrated beacon";  ///< as the legend calls them
-};
-
-/// @param lines  drawn over the maps, with their names where they are few
-[[nodiscard]] std::string plan_figure_json(const PlanInput& input, const PlanLines& lines = {});
+/// Walls, routes and moves are drawn over the maps, with their names where they are few.
+[[nodiscard]] std::string plan_figure_json(const PlanInput& input);
 /// Beacons, 95 % ellipsoids as three great circles each, track and fixes in space.
 [[nodiscard]] std::string space_figure_json(const PlanInput& input);
 [[nodiscard]] std::string residual_chart_json(const ResidualChart& chart);

@@ -12,13 +12,16 @@ namespace octant::survey {
 namespace {
 
 constexpr double kLeastRatio = 1.5;
+constexpr const char* kNoFixColour = "#787878";
 
-/// Cells of one class as one path, each run of neighbours in a row as one rectangle.
+/// Cells of one class (behind them all: those without a fix) as one path, each run of neighbours in a row as
+/// one rectangle.
 std::string cells(const NamedMap& map, const std::vector<double>& limits, std::size_t wanted,
                   const PlanFrame& frame) {
   const auto class_of = [&](double v) {
-    return std::isfinite(v) ? static_cast<std::size_t>(std::ranges::upper_bound(limits, v) - limits.begin())
-                            : limits.size() + 1;
+    return std::isnan(v)   ? limits.size() + 2
+           : std::isinf(v) ? limits.size() + 1
+                           : static_cast<std::size_t>(std::ranges::upper_bound(limits, v) - limits.begin());
   };
   std::string path;
   const double side_px = map.cell_m * frame.px_per_m;
@@ -80,10 +83,14 @@ std::string map_layer_svg(const NamedMap& map, std::size_t index, const PlanFram
   std::string legend = fmt::format("<g class='legend'><text x='{:.1f}' y='{:.1f}'>{}</text>\n",
                                    kPlanMargin_px - 4, legend_y_px, escape_xml(what + ":"));
   double x = kPlanMargin_px + 6.6 * static_cast<double>(what.size() + 2);
-  for (std::size_t k = 0; k <= limits.size(); ++k) {
+  for (std::size_t k = 0; k <= limits.size() + 1; ++k) {
     const std::string path = cells(map, limits, k, frame);
-    if (!path.empty()) svg += fmt::format("<path class='cell' fill='{}' d='{}'/>\n", colours[k], path);
-    const std::string label = limits.empty()       ? "all the same"
+    const bool no_fix = k > limits.size();
+    if (no_fix && path.empty()) break;
+    const char* colour = no_fix ? kNoFixColour : colours[k];
+    if (!path.empty()) svg += fmt::format("<path class='cell' fill='{}' d='{}'/>\n", colour, path);
+    const std::string label = no_fix               ? "no fix"
+                              : limits.empty()     ? "all the same"
                               : k == 0             ? fmt::format("below {:.3g}", limits[0])
                               : k == limits.size() ? fmt::format("from {:.3g}", limits.back())
                               : map.tolerance && limits[k - 1] == *map.tolerance
@@ -92,7 +99,7 @@ std::string map_layer_svg(const NamedMap& map, std::size_t index, const PlanFram
     legend += fmt::format(
         "<rect class='swatch' fill='{}' x='{:.1f}' y='{:.1f}' width='14' height='12'/><text x='{:.1f}' "
         "y='{:.1f}'>{}</text>\n",
-        colours[k], x, legend_y_px - 10, x + 18, legend_y_px, label);
+        colour, x, legend_y_px - 10, x + 18, legend_y_px, label);
     x += 28 + 6.6 * static_cast<double>(label.size());
   }
   return svg + legend + "</g>\n</g>\n";

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/physics/polygon.h"
+
 namespace octant::survey {
 
 double round_down(double x) {
@@ -15,6 +17,11 @@ double round_down(double x) {
 
 bool is_drawn(const DeploymentBeacon& beacon) {
   return beacon.status != BeaconStatus::kUndetermined && beacon.position_m.allFinite();
+}
+
+const DeploymentBeacon* drawn_beacon(const Deployment& deployment, const std::string& name) {
+  const auto at = std::ranges::find(deployment.beacons, name, &DeploymentBeacon::name);
+  return at != deployment.beacons.end() && is_drawn(*at) ? &*at : nullptr;
 }
 
 std::vector<Eigen::Vector3d> thinned(const std::vector<Eigen::Vector3d>& points_m) {
@@ -40,11 +47,8 @@ PlanFrame plan_frame(const PlanInput& input) {
                                                      static_cast<double>(map.values.size() / map.columns)));
   }
   PlanFrame frame;
-  if (!points.empty()) frame.low_m = frame.high_m = points.front();
-  for (const auto& p : points) {
-    frame.low_m = frame.low_m.cwiseMin(p);
-    frame.high_m = frame.high_m.cwiseMax(p);
-  }
+  if (const Eigen::AlignedBox2d box = bounds_of(points); !box.isEmpty())
+    frame.low_m = box.min(), frame.high_m = box.max();
   // Room around it, and a shape that neither a corridor nor a mast makes absurd.
   const Eigen::Vector2d middle = (frame.low_m + frame.high_m) / 2;
   Eigen::Vector2d size = (frame.high_m - frame.low_m) * 1.12;

@@ -25,11 +25,12 @@ constexpr const char* kPlanStyle = R"(<style>
 .plan .fix{fill:none;stroke:#b3470b;stroke-width:1.3}.plan .beacon{fill:#1660a8}.plan .control{fill:#176b34}
 .plan .beacon,.plan .control{stroke:#fff;stroke-width:1}.plan .dots{fill:none;stroke:#1660a8;stroke-width:5;stroke-linecap:round}.plan .ellipse{fill:#1660a8;fill-opacity:.15;stroke:#1660a8}
 .plan .miss{fill:none;stroke:#b3261e;stroke-opacity:.45}.plan .early{stroke:#7a4a00;stroke-dasharray:6 4}.plan .other{stroke:#5d6b78;stroke-dasharray:2 4}.plan .missed{fill:#b3261e;fill-opacity:.3;stroke:#b3261e}
+.plan .wall{fill:none;stroke:#1b2733;stroke-width:2}.plan .obstacle{fill:#8a97a3;stroke:#1b2733}.plan .route{fill:none;stroke:#1b2733;stroke-width:2;stroke-dasharray:6 4}
 .plan .silent{stroke:#b3261e;stroke-width:3}.plan .move{fill:none;stroke:#b3261e;stroke-width:2}.plan .swatch{stroke:#1b2733;stroke-width:.5}.plan .layer~.layer{display:none}
 @media(prefers-color-scheme:dark){.plan text{fill:#dfe6ec}.plan .name{stroke:#12181e}.plan .paper{fill:#12181e}.plan .grid{stroke:#2b353f}
 .plan .area{fill:#18251d;stroke:#8fb09a}.plan .track,.plan .stop{stroke:#9aa7b3}.plan .fix{stroke:#f0945a}.plan .beacon{fill:#6db3f2}
 .plan .control{fill:#67c587}.plan .beacon,.plan .control{stroke:#12181e}.plan .dots{stroke:#6db3f2}.plan .ellipse{fill:#6db3f2;stroke:#6db3f2}
-.plan .silent,.plan .move,.plan .miss,.plan .missed{stroke:#f2867e}.plan .missed{fill:#f2867e}.plan .early{stroke:#e6b35c}.plan .other{stroke:#9aa7b3}.plan .swatch{stroke:#dfe6ec}}
+.plan .wall,.plan .route{stroke:#dfe6ec}.plan .silent,.plan .move,.plan .miss,.plan .missed{stroke:#f2867e}.plan .missed{fill:#f2867e}.plan .early{stroke:#e6b35c}.plan .other{stroke:#9aa7b3}.plan .swatch{stroke:#dfe6ec}}
 </style>
 )";
 
@@ -42,14 +43,14 @@ void draw_grid(std::string& svg, const PlanFrame& frame, const char* axes) {
     const double x = frame.x(k * step_m);
     svg += fmt::format(
         "<line class='grid' x1='{0:.1f}' y1='{1:.1f}' x2='{0:.1f}' y2='{2:.1f}'/>"
-        "<text x='{0:.1f}' y='{3:.1f}' text-anchor='middle'>{4:.6g}</text>\n",
+        "<text x='{0:.1f}' y='{3:.1f}' text-anchor='middle'>{4:.10g}</text>\n",
         x, top, bottom, bottom + 16, k * step_m + 0.0);
   }
   for (double k = std::ceil(frame.low_m.y() / step_m); k * step_m <= frame.high_m.y(); ++k) {
     const double y = frame.y(k * step_m);
     svg += fmt::format(
         "<line class='grid' x1='{1:.1f}' y1='{0:.1f}' x2='{2:.1f}' y2='{0:.1f}'/>"
-        "<text x='{3:.1f}' y='{4:.1f}' text-anchor='end'>{5:.6g}</text>\n",
+        "<text x='{3:.1f}' y='{4:.1f}' text-anchor='end'>{5:.10g}</text>\n",
         y, left, right, left - 6, y + 4, k * step_m + 0.0);  // + 0.0: no "-0"
   }
   svg += fmt::format("<text x='{:.1f}' y='{:.1f}' text-anchor='end'>{}</text>\n", right, top - 10, axes);
@@ -78,12 +79,18 @@ void draw_tracks(std::string& svg, const PlanInput& input, const PlanFrame& fram
   if (!marks.empty()) svg += "<path class='fix' d='" + marks + "'/>\n";
 }
 
-void draw_area(std::string& svg, const Deployment& deployment, const PlanFrame& frame) {
-  if (deployment.validity_area_m.size() < 3) return;
-  svg += "<polygon class='area' points='";
-  for (const auto& p : deployment.validity_area_m)
-    svg += fmt::format("{:.1f},{:.1f} ", frame.x(p.x()), frame.y(p.y()));
+void draw_line(std::string& svg, const char* shape, const char* kind,
+               const std::vector<Eigen::Vector2d>& points_m, const PlanFrame& frame) {
+  svg += fmt::format("<{} class='{}' points='", shape, kind);
+  for (const auto& p : points_m) svg += fmt::format("{:.1f},{:.1f} ", frame.x(p.x()), frame.y(p.y()));
   svg += "'/>\n";
+}
+
+void draw_place(std::string& svg, const PlanInput& input, const PlanFrame& frame) {
+  for (const NamedLine& wall : input.walls)
+    draw_line(svg, wall.closed ? "polygon" : "polyline", wall.closed ? "obstacle" : "wall", wall.points_m,
+              frame);
+  for (const NamedLine& route : input.routes) draw_line(svg, "polyline", "route", route.points_m, frame);
 }
 
 void draw_ellipse(std::string& svg, const DeploymentBeacon& beacon, const PlanFrame& frame,
@@ -141,8 +148,8 @@ void draw_beacons(std::string& svg, const Deployment& deployment, const PlanFram
 void draw_moves(std::string& svg, const PlanInput& input, const PlanFrame& frame) {
   const double scale_px = move_exaggeration(input, frame.extent_m()) * frame.px_per_m;
   for (const PlanMove& move : input.moves) {
-    const auto beacon = std::ranges::find(input.deployment.beacons, move.beacon, &DeploymentBeacon::name);
-    if (beacon == input.deployment.beacons.end() || !is_drawn(*beacon)) continue;
+    const DeploymentBeacon* beacon = drawn_beacon(input.deployment, move.beacon);
+    if (beacon == nullptr) continue;
     const Eigen::Vector2d way_px = Eigen::Vector2d(move.shift_m.x(), -move.shift_m.y()) * scale_px;
     const double length_px = way_px.norm();
     if (!(length_px > 1.0)) continue;
@@ -174,8 +181,7 @@ void draw_misses(std::string& svg, const PlanInput& input, const PlanFrame& fram
   std::vector<MissPlace> places;
   std::size_t most = 1;
   for (const PlanMiss& miss : input.misses) {
-    const auto beacon = std::ranges::find(input.deployment.beacons, miss.beacon, &DeploymentBeacon::name);
-    if (beacon != input.deployment.beacons.end() && is_drawn(*beacon))
+    if (const DeploymentBeacon* beacon = drawn_beacon(input.deployment, miss.beacon))
       svg += fmt::format("<path class='{}' d='M{:.1f} {:.1f}L{:.1f} {:.1f}' stroke-width='{:.1f}'/>\n",
                          miss_class(miss), frame.x(miss.at_m.x()), frame.y(miss.at_m.y()),
                          frame.x(beacon->position_m.x()), frame.y(beacon->position_m.y()),
@@ -198,12 +204,11 @@ void draw_misses(std::string& svg, const PlanInput& input, const PlanFrame& fram
 /// The beacon that is out of work while a map is shown.
 void draw_silent(std::string& svg, const PlanInput& input, const PlanFrame& frame) {
   for (std::size_t k = 0; k < input.maps.size(); ++k) {
-    for (const auto& beacon : input.deployment.beacons) {
-      if (beacon.name != input.maps[k].silent_beacon || !is_drawn(beacon)) continue;
-      const double x = frame.x(beacon.position_m.x()), y = frame.y(beacon.position_m.y());
-      svg += fmt::format("<path class='silent layer layer-{}' d='M{:.1f} {:.1f}l18 18m0 -18l-18 18'/>\n", k,
-                         x - 9, y - 9);
-    }
+    const DeploymentBeacon* beacon = drawn_beacon(input.deployment, input.maps[k].silent_beacon);
+    if (beacon == nullptr) continue;
+    const double x = frame.x(beacon->position_m.x()), y = frame.y(beacon->position_m.y());
+    svg += fmt::format("<path class='silent layer layer-{}' d='M{:.1f} {:.1f}l18 18m0 -18l-18 18'/>\n", k,
+                       x - 9, y - 9);
   }
 }
 
@@ -223,7 +228,7 @@ double draw_legend(std::string& svg, const PlanInput& input, const PlanFrame& fr
                                [&](const auto& t) { return t.moving == moving && !t.points_m.empty(); });
   };
   svg += "<g class='legend'>\n";
-  if (any(BeaconStatus::kCalibrated)) entry(mark(BeaconStatus::kCalibrated, x, y), "calibrated beacon");
+  if (any(BeaconStatus::kCalibrated)) entry(mark(BeaconStatus::kCalibrated, x, y), input.beacon_name);
   if (any(BeaconStatus::kControlPoint))
     entry(mark(BeaconStatus::kControlPoint, x, y), "control point, held fixed");
   if (tracked(false))
@@ -250,6 +255,15 @@ double draw_legend(std::string& svg, const PlanInput& input, const PlanFrame& fr
   return (input.misses.empty() ? 2 : 3) * kLegendRow_px;
 }
 
+/// Of the drawn beacons' places in the plane; 0: nothing is said of any.
+double largest_variance_m2(const Deployment& deployment) {
+  double largest_m2 = 0.0;
+  for (const auto& beacon : deployment.beacons)
+    if (is_drawn(beacon))
+      largest_m2 = std::max(largest_m2, beacon.covariance_m2.topLeftCorner<2, 2>().trace());
+  return largest_m2;
+}
+
 /// @param drawing  legend's height is known only when all is drawn
 std::string framed(const std::string& label, double height_px, const std::string& drawing) {
   return fmt::format(
@@ -262,10 +276,7 @@ std::string framed(const std::string& label, double height_px, const std::string
 }  // namespace
 
 double ellipse_exaggeration(const Deployment& deployment, double plan_extent_m) {
-  double largest_m2 = 0.0;
-  for (const auto& beacon : deployment.beacons)
-    if (is_drawn(beacon))
-      largest_m2 = std::max(largest_m2, beacon.covariance_m2.topLeftCorner<2, 2>().trace());
+  const double largest_m2 = largest_variance_m2(deployment);
   if (!(largest_m2 > 0.0) || !std::isfinite(largest_m2) || !(plan_extent_m > 0.0)) return 1.0;
   return std::max(1.0, round_down(0.05 * plan_extent_m / (kEllipse95 * std::sqrt(largest_m2))));
 }
@@ -284,10 +295,12 @@ std::string site_plan_svg(const PlanInput& input) {
   const double exaggeration = ellipse_exaggeration(input.deployment, frame.extent_m());
   const auto flat = [](const Eigen::Vector3d& p) -> Eigen::Vector2d { return p.head<2>(); };
   std::string svg;
-  draw_area(svg, input.deployment, frame);
+  if (input.deployment.validity_area_m.size() > 2)
+    draw_line(svg, "polygon", "area", input.deployment.validity_area_m, frame);
   for (std::size_t k = 0; k < input.maps.size(); ++k)
     svg += map_layer_svg(input.maps[k], k, frame, frame.height_px + 8 + 2 * kLegendRow_px);
   draw_grid(svg, frame, "x, y in metres");
+  draw_place(svg, input, frame);
   draw_tracks(svg, input, frame, flat);
   draw_misses(svg, input, frame);
   const bool named = input.deployment.beacons.size() <= kMostNamed;
@@ -299,8 +312,9 @@ std::string site_plan_svg(const PlanInput& input) {
   double height = frame.height_px;
   height += draw_legend(
       svg, input, frame,
-      !named
-          ? "Names and error ellipses are left out: there are too many beacons."
+      !named ? "Names and error ellipses are left out: there are too many beacons."
+      : largest_variance_m2(input.deployment) == 0.0
+          ? ""
           : fmt::format(
                 "Error ellipses: 95 % (2.45 sigma), drawn {:g} times as large as they are.{}", exaggeration,
                 input.moves.empty() ? ""

@@ -32,10 +32,17 @@ struct NamedMap {
   Eigen::Vector2d corner_m{0, 0};  ///< of the first cell, lower left
   double cell_m = 1.0;
   std::size_t columns = 0;
-  std::vector<double> values;    ///< row by row from below; NaN: nothing there
+  std::vector<double> values;    ///< row by row from below; NaN: nothing there; infinity: no fix
   std::string silent_beacon{};   ///< crossed out while this map is shown
   std::vector<double> limits{};  ///< between classes, where several maps are to be compared; empty: its own
   std::optional<double> tolerance{};  ///< colours say where the values lie against it: inside, near, beyond
+};
+
+/// A line of the place with its name: a wall, an obstacle's outline, a route.
+struct NamedLine {
+  std::string name;
+  std::vector<Eigen::Vector2d> points_m;
+  bool closed = false;
 };
 
 /// How a beacon moved since an earlier deployment.
@@ -60,6 +67,8 @@ struct PlanInput {
   std::vector<NamedMap> maps;
   std::vector<PlanMove> moves{};   ///< arrows to where beacons hang now
   std::vector<PlanMiss> misses{};  ///< lines from the vehicle to the beacon
+  std::vector<NamedLine> walls{}, routes{};
+  std::string area_name = "calibrated area", beacon_name = "calibrated beacon";  ///< as legends call them
 };
 
 /// A plan shows no more marks of a kind than this; more would not be seen.
@@ -79,10 +88,10 @@ inline constexpr std::size_t kMostNamed = 300;
 /// the plan, else less.
 [[nodiscard]] double move_exaggeration(const PlanInput& input, double plan_extent_m);
 
-/// Plan of a site as a self-contained SVG: grid in metres, maps, calibrated area, tracks, fixes, beacons with
-/// exaggerated 95 % error ellipses and a legend that says by how much. Follows the reader's light or dark
-/// scheme. Undetermined beacons are not drawn: their place is not known. Of several maps the first is shown;
-/// the others are layers (see ReportFigure).
+/// Plan of a site as a self-contained SVG: grid in metres, maps, area, walls, routes, tracks, fixes, beacons
+/// with exaggerated 95 % error ellipses and a legend that says by how much. Follows the reader's light or
+/// dark scheme. Undetermined beacons are not drawn: their place is not known. Of several maps the first is
+/// shown; the others are layers (see ReportFigure).
 [[nodiscard]] std::string site_plan_svg(const PlanInput& input);
 
 /// Beacons and vehicle seen from the side, with their heights.

@@ -96,12 +96,9 @@ std::vector<double> axis_ticks(double low, double high, int about) {
 
 std::string residual_chart_svg(const ResidualChart& chart) {
   const bool names = chart.unit.empty();
-  double largest_s = 0.0, reach = 0.0;
-  for (const auto& bin : chart.bins) {
-    largest_s = std::max(largest_s, bin.rms_s);
-    reach = std::max(reach, std::max(std::abs(bin.mean_s) * 1.4, bin.rms_s));
-  }
-  const Unit time = time_unit(largest_s);
+  double reach = 0.0;
+  for (const auto& bin : chart.bins) reach = std::max({reach, std::abs(bin.mean_s) * 1.4, bin.rms_s});
+  const Unit time = chart.time();
   reach = reach > 0 ? 1.1 * reach * time.per_si : 1.0;
   Axes axes{0, 1, -reach, reach, {}};
   if (names) {

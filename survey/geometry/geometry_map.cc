@@ -42,52 +42,27 @@ struct LayerScratch {
   alignas(64) double heard[kTilePoses];
 };
 
-struct FigureList {
-  Figure figure;
-  std::vector<double> GeometryFigures::*list;
-  bool integrity = false;
-};
-constexpr FigureList kFigureLists[] = {{kHdop, &GeometryFigures::hdop},
-                                       {kVdop, &GeometryFigures::vdop},
-                                       {kPdop, &GeometryFigures::pdop},
-                                       {kTdop, &GeometryFigures::tdop},
-                                       {kGdop, &GeometryFigures::gdop},
-                                       {kHeadingDop, &GeometryFigures::heading_dop_rad_per_m},
-                                       {kSigma, &GeometryFigures::sigma_m},
-                                       {kSigmaX, &GeometryFigures::sigma_x_m},
-                                       {kSigmaY, &GeometryFigures::sigma_y_m},
-                                       {kSigmaZ, &GeometryFigures::sigma_z_m},
-                                       {kSigmaHeading, &GeometryFigures::sigma_heading_rad},
-                                       {kShiftBySpeed, &GeometryFigures::shift_by_speed_m},
-                                       {kCovarianceXy, &GeometryFigures::covariance_xy_m2},
-                                       {kDetectableBias, &GeometryFigures::detectable_bias_m, true},
-                                       {kFaultShift, &GeometryFigures::fault_shift_m, true},
-                                       {kProtection, &GeometryFigures::protection_m, true}};
+/// Of integrity, which costs the most.
+bool is_integrity(std::size_t figure) {
+  return figure == kDetectableBias || figure == kFaultShift || figure == kProtection;
+}
 
 }  // namespace
 
 GeometryFigures evaluate_poses(const SurveyModel& model, const PoseList& poses, const MapOptions& options) {
   const KernelModel kernel = kernel_model(model, model.beacons);
   GeometryFigures out;
-  for (const FigureList& f : kFigureLists)
-    if (options.integrity || !f.integrity) (out.*f.list).resize(poses.size());
-  out.beacons.resize(poses.size());
-  out.arrivals.resize(poses.size());
-  for_each_tile<MapScratch>(
-      kernel, model.walls, poses, options.threads,
-      [&](const KernelTile& tile, std::size_t first, MapScratch& scratch) {
-        map_tile(kernel, tile, options.integrity, scratch.work, scratch.figures);
-        const auto offset = static_cast<std::ptrdiff_t>(first);
-        for (const FigureList& f : kFigureLists) {
-          if (!options.integrity && f.integrity) continue;
-          const double* values = scratch.figures.value[f.figure];
-          std::copy(values, values + tile.count, (out.*f.list).begin() + offset);
-        }
-        for (std::size_t i = 0; i < tile.count; ++i) {
-          out.beacons[first + i] = static_cast<std::uint16_t>(scratch.figures.value[kBeacons][i]);
-          out.arrivals[first + i] = static_cast<std::uint16_t>(scratch.figures.value[kArrivals][i]);
-        }
-      });
+  const auto asked = [&](std::size_t f) { return options.integrity || !is_integrity(f); };
+  for (std::size_t f = 0; f < kFigures; ++f)
+    if (asked(f)) out[f].resize(poses.size());
+  for_each_tile<MapScratch>(kernel, model.walls, poses, options.threads,
+                            [&](const KernelTile& tile, std::size_t first, MapScratch& scratch) {
+                              map_tile(kernel, tile, options.integrity, scratch.work, scratch.figures);
+                              for (std::size_t f = 0; f < kFigures; ++f)
+                                if (asked(f))
+                                  std::copy_n(scratch.figures.value[f], tile.count,
+                                              out[f].begin() + static_cast<std::ptrdiff_t>(first));
+                            });
   return out;
 }
 

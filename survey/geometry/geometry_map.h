@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -27,24 +28,36 @@ inline constexpr double kNoFix =
 /// What a geometry gives at each pose. Dilutions are sigmas of the pose by a range sigma of 1 m, all ranges
 /// alike, an arrival a row; with receivers' arrays several arrivals come from one beacon. kNoFix where what
 /// is heard does not determine the pose.
-struct GeometryFigures {
-  std::vector<double> hdop, vdop, pdop, tdop,
-      gdop;                                   ///< vdop: spatial motion; tdop: with a clock offset; else 0
-  std::vector<double> heading_dop_rad_per_m;  ///< 0 where the heading is no unknown
+enum Figure : std::size_t {
+  kHdop,
+  kVdop,  ///< spatial motion; else 0
+  kPdop,
+  kTdop,  ///< with a clock offset; else 0
+  kGdop,
+  kHeadingDop,  ///< [rad/m]; 0 where the heading is no unknown
   /// Expected standard deviation from the arrivals' own noise: horizontal (root of both variances' sum), by
-  /// axis, of the heading.
-  std::vector<double> sigma_m, sigma_x_m, sigma_y_m, sigma_z_m, sigma_heading_rad;
-  /// Horizontal shift of the fix by a relative error of the speed of 1: times sigma_c / c it is the speed's
-  /// part.
-  std::vector<double> shift_by_speed_m;
-  std::vector<double> covariance_xy_m2;  ///< beside sigma_x_m and sigma_y_m
+  /// axis [m], of the heading [rad].
+  kSigma,
+  kSigmaX,
+  kSigmaY,
+  kSigmaZ,
+  kSigmaHeading,
+  kShiftBySpeed,  ///< horizontal shift of the fix by a relative error of the speed of 1 [m]: times sigma_c /
+                  ///< c it is the speed's part
+  kCovarianceXy,  ///< beside kSigmaX and kSigmaY [m2]
   /// Integrity, for planning (of a fix: models/localizers/common/separation.h): largest bias of one beacon's
   /// ranges that stays unnoticed (0.1 %, power 80 %), by how much such a bias moves the fix at worst, and the
-  /// horizontal protection level with the arrivals' noise; kNoFix where a beacon's fault could not be
+  /// horizontal protection level with the arrivals' noise [m]; kNoFix where a beacon's fault could not be
   /// noticed.
-  std::vector<double> detectable_bias_m, fault_shift_m, protection_m;
-  std::vector<std::uint16_t> beacons, arrivals;  ///< heard
+  kDetectableBias,
+  kFaultShift,
+  kProtection,
+  kBeacons,   ///< heard
+  kArrivals,  ///< heard
+  kFigures
 };
+/// Of each Figure its values, pose by pose; empty where it was not asked for.
+using GeometryFigures = std::array<std::vector<double>, kFigures>;
 
 /// What a beacon tells at each pose: the packed upper triangle of its information on the unknowns, entry by
 /// entry (entry e of pose i at e * poses + i), weighted by the ranges' noise. Layers of several beacons add

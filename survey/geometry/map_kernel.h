@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "survey/geometry/geometry_map.h"
 #include "survey/geometry/survey_model.h"
 
 namespace octant::survey {
@@ -47,27 +48,6 @@ struct KernelTile {
   std::vector<std::uint8_t> skip;
 };
 
-enum Figure : std::size_t {
-  kHdop,
-  kVdop,
-  kPdop,
-  kTdop,
-  kGdop,
-  kHeadingDop,
-  kSigma,
-  kSigmaX,
-  kSigmaY,
-  kSigmaZ,
-  kSigmaHeading,
-  kShiftBySpeed,
-  kCovarianceXy,
-  kDetectableBias,
-  kFaultShift,
-  kProtection,
-  kBeacons,
-  kArrivals,
-  kFigures
-};
 struct KernelFigures {
   alignas(64) double value[kFigures][kTilePoses];
 };

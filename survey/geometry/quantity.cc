@@ -34,6 +34,12 @@ std::string time_text(double time_s) {
   return fmt::format("{:.4g} {}", unit.per_si * time_s, unit.name);
 }
 
+std::string figure_text(double value, const std::string& unit) {
+  if (std::isinf(value)) return "no fix";
+  if (unit == "m") return value < 0.0995 ? three_digits(1e3 * value) + " mm" : three_digits(value) + " m";
+  return unit.empty() ? three_digits(value) : three_digits(value) + " " + unit;
+}
+
 std::string percent_text(double fraction) { return fmt::format("{:.1f} %", 100 * fraction); }
 
 std::string time_symbol_text(double time_s) {

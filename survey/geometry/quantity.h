@@ -22,6 +22,8 @@ struct Unit {
 [[nodiscard]] std::string length_text(double length_m);
 /// A time on its own, with its unit, in ASCII.
 [[nodiscard]] std::string time_text(double time_s);
+/// A value with its unit as people read it: millimetres for short lengths, "3.2 m", "1.4".
+[[nodiscard]] std::string figure_text(double value, const std::string& unit);
 /// A share: "99.5 %".
 [[nodiscard]] std::string percent_text(double fraction);
 /// A time on its own, as printed: "12.3 µs".

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "survey/geometry/polygon.h"
+#include "models/physics/polygon.h"
 
 namespace octant::survey {
 namespace {

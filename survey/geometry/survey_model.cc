@@ -10,7 +10,7 @@
 #include <Eigen/Geometry>
 
 #include "models/localizers/least_squares/epoch_fix.h"
-#include "survey/geometry/polygon.h"
+#include "models/physics/polygon.h"
 #include "survey/geometry/scene_check.h"
 
 namespace octant::survey {
@@ -129,9 +129,8 @@ std::vector<Eigen::Vector2d> outline_of(const SiteOrDeployment& common) {
   for (const SurveyBeacon& beacon : common.model.beacons) places.emplace_back(beacon.p_map_m.head<2>());
   Polygon hull = convex_hull(places);
   if (hull.size() >= 3 && signed_area_m2(hull) > 1e-6) return hull;
-  Eigen::Vector2d low = places.front(), high = low;
-  for (const Eigen::Vector2d& p : places) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  low.array() -= kMarginM, high.array() += kMarginM;
+  const Eigen::AlignedBox2d box = bounds_of(places);
+  const Eigen::Vector2d low = box.min().array() - kMarginM, high = box.max().array() + kMarginM;
   return {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
 }
 

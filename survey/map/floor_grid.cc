@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "survey/geometry/polygon.h"
+#include "models/physics/polygon.h"
 
 namespace octant::survey {
 namespace {
@@ -18,13 +18,12 @@ constexpr std::size_t kBlockColumns = 32, kBlockRows = 16;
 void mark_inside(const Polygon& polygon, const FloorGrid& grid, std::uint8_t value,
                  std::vector<std::uint8_t>& mask) {
   std::vector<double> crossings;
-  double low = polygon.front().y(), high = low;
-  for (const Eigen::Vector2d& p : polygon) low = std::min(low, p.y()), high = std::max(high, p.y());
+  const Eigen::AlignedBox2d box = bounds_of(polygon);
   const auto row_of = [&](double y) {
     return static_cast<std::size_t>(
         std::clamp((y - grid.origin_m.y()) / grid.cell_m, 0.0, static_cast<double>(grid.rows)));
   };
-  for (std::size_t row = row_of(low); row < std::min(grid.rows, row_of(high) + 1); ++row) {
+  for (std::size_t row = row_of(box.min().y()); row < std::min(grid.rows, row_of(box.max().y()) + 1); ++row) {
     const double y = grid.origin_m.y() + grid.cell_m * (static_cast<double>(row) + 0.5);
     crossings.clear();
     for (std::size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
@@ -52,21 +51,21 @@ Result<FloorGrid> make_floor_grid(const SurveyModel& model, const Scene& scene) 
 }
 
 Result<FloorGrid> make_floor_grid(const SurveyModel& model, const Scene& scene, double cell_m) {
-  Eigen::Vector2d low = model.floor_m.front(), high = low;
-  for (const Eigen::Vector2d& p : model.floor_m) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const Eigen::AlignedBox2d box = bounds_of(model.floor_m);
+  const Eigen::Vector2d size = box.sizes();
   FloorGrid grid;
   grid.cell_m = cell_m;
-  grid.origin_m = low;
-  const double columns = std::max(1.0, std::ceil((high.x() - low.x()) / cell_m - 1e-9)),
-               rows = std::max(1.0, std::ceil((high.y() - low.y()) / cell_m - 1e-9));
+  grid.origin_m = box.min();
+  const double columns = std::max(1.0, std::ceil(size.x() / cell_m - 1e-9)),
+               rows = std::max(1.0, std::ceil(size.y() / cell_m - 1e-9));
   if (!(columns * rows <= kMostCells)) {
-    return fail({.file = scene.path,
-                 .line = scene.cell_line,
-                 .found = fmt::format("cell_m of {:g} m makes {:.3g} cells of the floor's {:.6g} x {:.6g} m",
-                                      cell_m, columns * rows, high.x() - low.x(), high.y() - low.y()),
-                 .expected = fmt::format("{:.3g} cells at most", kMostCells),
-                 .advice = fmt::format("a cell_m of {:.2g} would do",
-                                       1.05 * std::sqrt((high - low).prod() / kMostCells))});
+    return fail(
+        {.file = scene.path,
+         .line = scene.cell_line,
+         .found = fmt::format("cell_m of {:g} m makes {:.3g} cells of the floor's {:.6g} x {:.6g} m", cell_m,
+                              columns * rows, size.x(), size.y()),
+         .expected = fmt::format("{:.3g} cells at most", kMostCells),
+         .advice = fmt::format("a cell_m of {:.2g} would do", 1.05 * std::sqrt(size.prod() / kMostCells))});
   }
   grid.columns = static_cast<std::size_t>(columns), grid.rows = static_cast<std::size_t>(rows);
   std::vector<std::uint8_t> mask(grid.columns * grid.rows, 0);

@@ -7,29 +7,13 @@
 
 #include <Eigen/Geometry>
 
+#include "survey/geometry/hearing.h"
+
 namespace octant::survey {
 namespace {
 
 Eigen::Vector3d turned(const Eigen::Vector3d& v, double cosine, double sine) {
   return {cosine * v.x() - sine * v.y(), sine * v.x() + cosine * v.y(), v.z()};
-}
-
-double path_gain(const SurveyModel& model, std::size_t pattern, const Eigen::Vector3d& axis,
-                 const Eigen::Vector3d& towards) {
-  return pattern == kAllRound || axis.isZero() ? 1.0 : beam_gain(model.patterns[pattern], axis.dot(towards));
-}
-
-bool loud_enough(const SurveyModel& model, const KernelModel& kernel, const HeardPath& path,
-                 const Eigen::Vector3d& receiver_axis) {
-  if (path.distance_m > kernel.reach_m) return false;
-  const SurveyBeacon& b = model.beacons[path.beacon];
-  const double both = path_gain(model, b.pattern, b.axis, path.unit) *
-                      path_gain(model, model.receivers[path.receiver].pattern, receiver_axis, -path.unit);
-  if (!(both > 0)) return false;
-  const Hearing& h = model.hearing;
-  return !(h.threshold_v > 0) ||
-         both * h.amplitude_1m_v * std::exp(-h.absorption_np_per_m * path.distance_m) >=
-             h.threshold_v * path.distance_m;
 }
 
 bool stopped(const KernelWall& w, const Eigen::Vector3d& from, const Eigen::Vector3d& beacon) {
@@ -66,15 +50,17 @@ HeardPath path_between(const SurveyModel& model, std::size_t beacon, std::size_t
   return path;
 }
 
-void heard_paths(const SurveyModel& model, const KernelModel& kernel, const KernelTile& tile,
-                 const PoseAt& pose, std::vector<HeardPath>& paths) {
+void heard_paths(const SurveyModel& model, const KernelTile& tile, const PoseAt& pose,
+                 std::vector<HeardPath>& paths) {
   paths.clear();
   const double cosine = std::cos(pose.heading_rad), sine = std::sin(pose.heading_rad);
   for (std::size_t b = 0; b < model.beacons.size(); ++b) {
     if (tile.skip[b]) continue;
     for (std::size_t r = 0; r < model.receivers.size(); ++r) {
       HeardPath path = path_between(model, b, r, pose);
-      if (!loud_enough(model, kernel, path, turned(model.receivers[r].axis, cosine, sine))) continue;
+      if (!loud_enough(model, b, r, path.unit, path.distance_m,
+                       turned(model.receivers[r].axis, cosine, sine)))
+        continue;
       const Eigen::Vector3d receiver = model.beacons[b].p_map_m + path.distance_m * path.unit;
       bool hidden = false;
       for (std::uint32_t w = tile.wall_first[b]; w < tile.wall_first[b + 1] && !hidden; ++w)

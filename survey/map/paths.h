@@ -32,7 +32,7 @@ struct PoseAt {
                                      const PoseAt& pose);
 
 /// The paths that are heard at pose i of a tile, beacon by beacon.
-void heard_paths(const SurveyModel& model, const KernelModel& kernel, const KernelTile& tile,
-                 const PoseAt& pose, std::vector<HeardPath>& paths);
+void heard_paths(const SurveyModel& model, const KernelTile& tile, const PoseAt& pose,
+                 std::vector<HeardPath>& paths);
 
 }  // namespace octant::survey

@@ -10,9 +10,9 @@
 #include <memory>
 #include <numbers>
 
+#include "models/physics/polygon.h"
 #include "models/support/parallel.h"
 #include "survey/geometry/map_tiles.h"
-#include "survey/geometry/polygon.h"
 #include "survey/map/calibration_map.h"
 #include "survey/map/floor_maps.h"
 #include "survey/map/mirror.h"
@@ -90,7 +90,7 @@ class FloorMapTask {
       paths_[i].clear();
       if (std::isinf(figures_.value[kSigma][i])) continue;
       const bool look = mirrors && mirrors_.may_have_image(model_, pose, heard_here(i));
-      if (calibrated || look) heard_paths(model_, kernel_, tile_, pose, paths_[i]);
+      if (calibrated || look) heard_paths(model_, tile_, pose, paths_[i]);
       if (!look) continue;
       const MirrorImage image = mirror_image(model_, pose, paths_[i]);
       mask_[i] = image.ambiguous && on_floor(image.p_map_m);

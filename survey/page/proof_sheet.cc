@@ -7,21 +7,13 @@
 
 #include <fmt/format.h>
 
+#include "models/physics/polygon.h"
 #include "survey/drawing/escape.h"
-#include "survey/drawing/map_svg.h"
+#include "survey/geometry/quantity.h"
+#include "survey/page/report_html.h"
 
 namespace octant::survey {
 namespace {
-
-constexpr const char* kHead = R"(<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width,initial-scale=1">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
-<style>
-:root{color-scheme:light dark}body{font:15px/1.5 system-ui,sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem}
-table{border-collapse:collapse;margin:.5rem 0}td,th{padding:.15rem .7rem;text-align:right;border-bottom:1px solid #8884}
-td:first-child,th:first-child{text-align:left}svg{max-width:100%;height:auto}
-</style>
-)";
 
 struct ProofLine {
   const char* name;
@@ -87,29 +79,35 @@ std::string cell(const LayoutFigures& f) {
                         : fmt::format("{:.1f} % covered", 100 * f.covered_fraction);
 }
 
-std::string rows_html(const ProofSheetInput& input) {
-  std::string html =
-      "<table><tr><th>beacons</th><th>plan</th><th>greedy</th><th>regular</th><th>random</th><th>against "
-      "regular</th></tr>\n";
+ReportTable rows_table(const ProofSheetInput& input) {
+  ReportTable table{"proof-table",
+                    "The goal by the number of beacons",
+                    {{"beacons"}, {"plan"}, {"greedy"}, {"regular"}, {"random"}, {"against regular"}}};
   for (const ProofRow& row : input.rows) {
     const bool both = row.plan.covers_all() && row.regular.covers_all();
-    html += fmt::format(
-        "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>\n", row.beacons,
-        cell(row.plan), cell(row.greedy), cell(row.regular), cell(row.random),
-        both ? fmt::format("{:+.0f} %", 100 * (row.plan.objective_m / row.regular.objective_m - 1))
-             : std::string("-"));
+    table.rows.push_back(
+        {{std::to_string(row.beacons)},
+         {cell(row.plan)},
+         {cell(row.greedy)},
+         {cell(row.regular)},
+         {cell(row.random)},
+         {both ? fmt::format("{:+.0f} %", 100 * (row.plan.objective_m / row.regular.objective_m - 1))
+               : "-"}});
   }
-  return html + "</table>\n";
+  return table;
 }
 
-std::string beacons_html(const Placement& placement) {
-  std::string html =
-      "<table><tr><th>beacon</th><th>x [m]</th><th>y [m]</th><th>z [m]</th><th>mount</th></tr>\n";
-  for (const PlacedBeacon& b : placement.beacons)
-    html += fmt::format("<tr><td>{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.2f}</td><td>{}</td></tr>\n",
-                        escape_xml(b.beacon.name), b.beacon.p_map_m.x(), b.beacon.p_map_m.y(),
-                        b.beacon.p_map_m.z(), b.mount.empty() ? "kept" : escape_xml(b.mount));
-  return html + "</table>\n";
+ReportTable beacons_table(const Placement& placement) {
+  ReportTable table{"beacons-table",
+                    "Where the beacons are to hang",
+                    {{"beacon", true}, {"x [m]"}, {"y [m]"}, {"z [m]"}, {"mount", true}}};
+  for (const PlacedBeacon& b : placement.beacons) {
+    std::vector<ReportText>& row = table.rows.emplace_back();
+    row.push_back({b.beacon.name});
+    for (const double coordinate_m : b.beacon.p_map_m) row.push_back({fmt::format("{:.2f}", coordinate_m)});
+    row.push_back({b.mount.empty() ? "kept" : b.mount});
+  }
+  return table;
 }
 
 }  // namespace
@@ -155,10 +153,9 @@ std::string proof_svg(const ProofSheetInput& input) {
 }
 
 std::string placement_svg(const ProofSheetInput& input) {
-  Eigen::Vector2d low(1e300, 1e300), high = -low;
-  for (const Eigen::Vector2d& p : input.floor_m) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  for (const PlacedBeacon& b : input.placement.beacons)
-    low = low.cwiseMin(b.beacon.p_map_m.head<2>()), high = high.cwiseMax(b.beacon.p_map_m.head<2>());
+  Eigen::AlignedBox2d box = bounds_of(input.floor_m);
+  for (const PlacedBeacon& b : input.placement.beacons) box.extend(b.beacon.p_map_m.head<2>());
+  const Eigen::Vector2d low = box.min(), high = box.max();
   const double margin = 0.06 * (high - low).maxCoeff() + 0.1, scale = 620 / ((high - low).x() + 2 * margin);
   const auto x = [&](double v) { return scale * (v - low.x() + margin); };
   const auto y = [&](double v) { return scale * (high.y() + margin - v); };
@@ -187,21 +184,29 @@ std::string placement_svg(const ProofSheetInput& input) {
 }
 
 std::string proof_sheet_html(const ProofSheetInput& input) {
-  std::string html =
-      kHead +
-      fmt::format("<title>{0}: placement</title></head><body><h1>{0}: where to put the beacons</h1>\n",
-                  escape_xml(input.name));
-  html += fmt::format(
-      "<p>{} beacons: {}; over {} poses: worst {}, 95 % {}, mean {}.</p>\n", input.placement.beacons.size(),
-      escape_xml(input.settings), input.placement.cells, figure_text(input.placement.figures.worst_m, "m"),
-      figure_text(input.placement.figures.p95_m, "m"), figure_text(input.placement.figures.mean_m, "m"));
-  html += placement_svg(input) + beacons_html(input.placement);
-  html +=
-      "<h2>Proof</h2><p>The goal by the number of beacons: as planned, chosen greedily, evenly spaced (the "
-      "best of eight phases), and the median of 25 random layouts.</p>\n";
-  html += proof_svg(input) + rows_html(input);
-  html += fmt::format("<p>{}, {}.</p></body></html>\n", escape_xml(input.program), escape_xml(input.created));
-  return html;
+  const Placement& p = input.placement;
+  ReportDocument document;
+  document.title = input.name + ": where to put the beacons";
+  document.subtitle = input.program + ", " + input.created;
+  document.grade = fmt::format("{} beacons", p.beacons.size());
+  document.sentence = fmt::format("{}; over {} poses: worst {}, 95 % {}, mean {}.", input.settings, p.cells,
+                                  figure_text(p.figures.worst_m, "m"), figure_text(p.figures.p95_m, "m"),
+                                  figure_text(p.figures.mean_m, "m"));
+  document.sections.push_back(
+      {"placement",
+       "Placement",
+       {ReportFigure{"figure-placement", "The floor, the beacons and where they look.", placement_svg(input)},
+        beacons_table(p)}});
+  document.sections.push_back(
+      {"proof",
+       "Proof",
+       {ReportFigure{
+            "figure-proof",
+            "The goal by the number of beacons: as planned, chosen greedily, evenly spaced (the best "
+            "of eight phases), and the median of 25 random layouts.",
+            proof_svg(input)},
+        rows_table(input)}});
+  return to_html(document, {});
 }
 
 }  // namespace octant::survey

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "models/support/enum_names.h"
 #include "survey/drawing/escape.h"
 #include "survey/drawing/plotly_js.h"
 #include "survey/page/report_style.h"
@@ -15,13 +16,8 @@ namespace octant::survey {
 namespace {
 
 const char* class_of(Tone tone) {
-  switch (tone) {
-    case Tone::kPlain: return "plain";
-    case Tone::kGood: return "good";
-    case Tone::kAttention: return "attention";
-    case Tone::kBad: return "bad";
-  }
-  return "plain";
+  static constexpr auto kNames = enum_names<Tone>("plain", "good", "attention", "bad");
+  return kNames[tone];
 }
 
 /// Ids come from us and from names of quantities, so that a blank is all that could be wrong with them.

@@ -9,9 +9,8 @@
 #include <fmt/format.h>
 
 #include "survey/drawing/figure_json.h"
-#include "survey/drawing/map_svg.h"
 #include "survey/drawing/plotly_js.h"
-#include "survey/drawing/site_plan.h"
+#include "survey/drawing/survey_plan.h"
 #include "survey/geometry/quantity.h"
 #include "survey/page/report_html.h"
 #include "survey/page/survey_verdict.h"
@@ -19,9 +18,8 @@
 namespace octant::survey {
 namespace {
 
-/// Bins along the longer side of the drawn maps and of those to point at: what a screen shows, and what a
-/// page can carry.
-constexpr std::size_t kDrawnBins = 44, kLiveBins = 44;
+/// Bins along the longer side of maps: what a screen shows, and what a page can carry.
+constexpr std::size_t kBins = 44;
 
 ReportTable figures(const Survey& s) {
   ReportTable table{
@@ -99,45 +97,14 @@ ReportSection firing(const Survey& s, const FloorSchedule& schedule) {
   return section;
 }
 
-NamedMap live_map(const Survey& s, const FloorMap& map) {
-  const BinnedMap binned = binned_map(s, map, kLiveBins);
-  // Lengths in millimetres, as tolerances are spoken of.
-  const bool length = map.unit == "m";
-  const double per_si = length ? 1e3 : 1.0;
-  NamedMap live{map.title, length ? "mm" : map.unit, binned.origin_m, binned.bin_m, binned.columns, {}};
-  if (binned.against_tolerance) live.tolerance = per_si * *map.limit;
-  for (std::size_t i = 0; i < binned.bins.size(); ++i)
-    live.values.push_back(binned.bins[i] == BinnedMap::Bin::kValue
-                              ? per_si * binned.values[i]
-                              : std::numeric_limits<double>::quiet_NaN());
-  return live;
-}
-
 ReportFigure maps(const Survey& s) {
-  ReportFigure figure{"figure-maps", "The chosen map; each bin holds the worst of its cells.", {}, {}, "Map"};
-  PlanInput live;
-  live.deployment.validity_area_m = s.model.floor_m;
-  for (const SurveyBeacon& b : s.model.beacons) {
-    live.deployment.beacons.emplace_back();
-    live.deployment.beacons.back().name = b.name;
-    live.deployment.beacons.back().position_m = b.p_map_m;
-  }
   // First the one that the verdict is about: with the calibration's part where that is known.
   std::vector<const FloorMap*> order;
   for (const FloorMap& map : s.maps) order.insert(map.name == "total_m" ? order.begin() : order.end(), &map);
-  for (const FloorMap* each : order) {
-    const FloorMap& map = *each;
-    figure.svg += fmt::format("<div class='layer layer-{}'>{}</div>\n", figure.layers.size(),
-                              map_svg(s, binned_map(s, map, kDrawnBins)));
-    figure.layers.push_back(map.title);
-    live.maps.push_back(live_map(s, map));
-  }
-  PlanLines lines;
-  lines.area = "floor", lines.beacon = "beacon";
-  for (const SceneWall& wall : s.scene.walls)
-    if (wall.blocks_sound) lines.walls.push_back({wall.name, wall.points_m, wall.solid});
-  for (const SceneRoute& route : s.scene.routes) lines.routes.push_back({route.name, route.points_m});
-  figure.interactive = plan_figure_json(live, lines);
+  const PlanInput plan = survey_plan(s, order, kBins);
+  ReportFigure figure{"figure-maps", "The chosen map; each bin holds the worst of its cells.",
+                      site_plan_svg(plan), plan_figure_json(plan), "Map"};
+  for (const NamedMap& map : plan.maps) figure.layers.push_back(map.name);
   return figure;
 }
 
@@ -170,11 +137,10 @@ ReportDocument survey_document(const Survey& s, const SurveyPageInput& input) {
   }
   if (!input.warnings.empty())
     document.sections.push_back({"warnings", "Warnings", {ReportList{input.warnings, false}}});
-  ReportTable from{"provenance-table",
-                   "Enough to run it again",
-                   {{"what", true}, {"value", true}},
-                   {{{"program"}, {input.program}}, {{"input"}, {input.input}}}};
-  if (!input.command.empty()) from.rows.push_back({{"command"}, {input.command}});
+  FactTable from("provenance-table", "Enough to run it again");
+  from.add("program", input.program);
+  from.add("input", input.input);
+  if (!input.command.empty()) from.add("command", input.command);
   document.sections.push_back({"provenance", "Where this comes from", {std::move(from)}});
   return document;
 }

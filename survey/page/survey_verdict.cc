@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "survey/drawing/map_svg.h"
 #include "survey/geometry/quantity.h"
 
 namespace octant::survey {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "survey/geometry/polygon.h"
+#include "models/physics/polygon.h"
 
 namespace octant::survey {
 namespace {
@@ -128,7 +128,8 @@ LayoutFigures LayoutScore::of(const std::vector<SurveyBeacon>& beacons) {
   model_.beacons = beacons;
   const GeometryFigures geometry =
       evaluate_poses(model_, poses_, {.threads = options_.threads, .integrity = false});
-  return figures(geometry.sigma_m, geometry.beacons);
+  heard_.assign(geometry[kBeacons].begin(), geometry[kBeacons].end());
+  return figures(geometry[kSigma], heard_);
 }
 
 LayoutFigures LayoutScore::figures(std::span<const double> sigma_m, std::span<const std::uint16_t> heard) {

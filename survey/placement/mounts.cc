@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "survey/geometry/polygon.h"
+#include "models/physics/polygon.h"
 
 namespace octant::survey {
 namespace {
@@ -14,20 +14,6 @@ constexpr double kStandoffM =
     0.02;                       ///< a beacon's face before its wall, so that the wall is not in its own way
 constexpr double kPoleM = 1.0;  ///< length that a pole counts as beside the walls'
 constexpr double kHigher = 1e-6;
-
-/// The point itself, or the nearest one on the outline.
-Eigen::Vector2d within(const Polygon& polygon, const Eigen::Vector2d& p) {
-  if (is_inside(polygon, p)) return p;
-  Eigen::Vector2d nearest = polygon.front();
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Eigen::Vector2d a = polygon[i], along = polygon[(i + 1) % polygon.size()] - a;
-    const double part =
-        along.squaredNorm() > 0 ? std::clamp((p - a).dot(along) / along.squaredNorm(), 0.0, 1.0) : 0.0;
-    if (const Eigen::Vector2d q = a + part * along; (q - p).squaredNorm() < (nearest - p).squaredNorm())
-      nearest = q;
-  }
-  return nearest;
-}
 
 }  // namespace
 
@@ -78,10 +64,8 @@ void MountSpace::add(const SceneMount& mount) {
     push(Eigen::Vector3d::Zero());
     return;
   }
-  piece.low = piece.high = piece.points_m.front();
-  for (const Eigen::Vector2d& p : piece.points_m)
-    piece.low = piece.low.cwiseMin(p), piece.high = piece.high.cwiseMax(p);
-  piece.length_m = 2 * (piece.high - piece.low).sum();  // as the walls round it
+  piece.box = bounds_of(piece.points_m);
+  piece.length_m = 2 * piece.box.sizes().sum();  // as the walls round it
   push(-Eigen::Vector3d::UnitZ());
 }
 
@@ -100,8 +84,10 @@ SurveyBeacon MountSpace::beacon(const MountPoint& point) const {
   beacon.axis = piece.axis;
   beacon.pattern = piece.axis.isZero() ? kAllRound : pattern_;
   if (piece.kind == SceneMount::Kind::kCeiling) {
-    const Eigen::Vector2d at = piece.low + Eigen::Vector2d(part, across).cwiseProduct(piece.high - piece.low);
-    beacon.p_map_m << within(piece.points_m, at), piece.high_m;
+    const Eigen::Vector2d at =
+        piece.box.min() + Eigen::Vector2d(part, across).cwiseProduct(piece.box.sizes());
+    beacon.p_map_m << (is_inside(piece.points_m, at) ? at : nearest_on_outline(piece.points_m, at)),
+        piece.high_m;
     return beacon;
   }
   Eigen::Vector2d at = piece.points_m.front();
@@ -113,8 +99,8 @@ SurveyBeacon MountSpace::beacon(const MountPoint& point) const {
   return beacon;
 }
 
-std::vector<MountPoint> MountSpace::grid(std::size_t count) const {
-  std::vector<MountPoint> points;
+MountLayout MountSpace::grid(std::size_t count) const {
+  MountLayout points;
   const double step_m = length_m_ / static_cast<double>(std::max<std::size_t>(count, 1));
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
     const Piece& piece = pieces_[i];
@@ -123,7 +109,7 @@ std::vector<MountPoint> MountSpace::grid(std::size_t count) const {
     std::vector<double> across = {0.5};
     if (piece.kind == SceneMount::Kind::kCeiling) {
       // As many places as its perimeter's share, in two dimensions.
-      const Eigen::Vector2d size = piece.high - piece.low;
+      const Eigen::Vector2d size = piece.box.sizes();
       const double side_m = std::sqrt(std::max(size.x() * size.y(), 1e-9) / static_cast<double>(along));
       along = static_cast<std::size_t>(std::max(1.0, std::round(size.x() / side_m)));
       const auto rows = static_cast<std::size_t>(std::max(1.0, std::round(size.y() / side_m)));
@@ -141,8 +127,8 @@ std::vector<MountPoint> MountSpace::grid(std::size_t count) const {
   return points;
 }
 
-std::vector<MountPoint> MountSpace::regular(std::size_t count, double phase) const {
-  std::vector<MountPoint> points;
+MountLayout MountSpace::regular(std::size_t count, double phase) const {
+  MountLayout points;
   const auto n = static_cast<double>(count);
   if (2 * ceiling_m_ <= length_m_) {
     for (std::size_t k = 0; k < count; ++k)
@@ -156,7 +142,7 @@ std::vector<MountPoint> MountSpace::regular(std::size_t count, double phase) con
       largest = i;
   const Piece& piece = pieces_[largest];
   const double begin = largest == 0 ? 0.0 : ends_[largest - 1], share = ends_[largest] - begin;
-  const Eigen::Vector2d size = piece.high - piece.low;
+  const Eigen::Vector2d size = piece.box.sizes();
   const auto rows = static_cast<std::size_t>(
       std::clamp(std::round(std::sqrt(n * size.y() / std::max(size.x(), 1e-9))), 1.0, n));
   for (std::size_t r = 0, placed = 0; r < rows; ++r) {
@@ -170,8 +156,8 @@ std::vector<MountPoint> MountSpace::regular(std::size_t count, double phase) con
   return points;
 }
 
-std::vector<MountPoint> MountSpace::random(std::size_t count, Random& draws) const {
-  std::vector<MountPoint> points;
+MountLayout MountSpace::random(std::size_t count, Random& draws) const {
+  MountLayout points;
   for (std::size_t k = 0; k < count; ++k) {
     const double along = draws.uniform();
     points.push_back({along, draws.uniform()});

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "models/scene.h"
 #include "models/simulator/random.h"
@@ -20,6 +20,8 @@ namespace octant::survey {
 struct MountPoint {
   double along = 0.0, across = 0.0;
 };
+
+using MountLayout = std::vector<MountPoint>;
 
 /// All places where a beacon may be mounted, as one square of numbers.
 class MountSpace {
@@ -37,12 +39,12 @@ class MountSpace {
 
   /// Evenly spread places, about `count` of them, at the lowest, middle and highest height where there is a
   /// choice.
-  [[nodiscard]] std::vector<MountPoint> grid(std::size_t count) const;
+  [[nodiscard]] MountLayout grid(std::size_t count) const;
   /// What one would drill without a plan: beacons evenly along the walls at half height (ceilings: in rows
   /// and columns).
   /// @param phase  from 0 to 1: where the first stands, in parts of the distance between two
-  [[nodiscard]] std::vector<MountPoint> regular(std::size_t count, double phase) const;
-  [[nodiscard]] std::vector<MountPoint> random(std::size_t count, Random& draws) const;
+  [[nodiscard]] MountLayout regular(std::size_t count, double phase) const;
+  [[nodiscard]] MountLayout random(std::size_t count, Random& draws) const;
 
  private:
   /// A straight stretch of a wall, a ceiling, or a pole.
@@ -50,7 +52,7 @@ class MountSpace {
     std::string name;
     SceneMount::Kind kind = SceneMount::Kind::kWall;
     std::vector<Eigen::Vector2d> points_m;  ///< wall: both ends; ceiling: its corners; pole: one
-    Eigen::Vector2d low = Eigen::Vector2d::Zero(), high = Eigen::Vector2d::Zero();  ///< of a ceiling's box
+    Eigen::AlignedBox2d box;                ///< of a ceiling
     double low_m = 0.0, high_m = 0.0;
     Eigen::Vector3d axis = Eigen::Vector3d::Zero();
     double length_m = 0.0;  ///< its share of `along`

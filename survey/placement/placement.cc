@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "survey/geometry/polygon.h"
+#include "models/physics/polygon.h"
 #include "survey/map/floor_grid.h"
 #include "survey/placement/layout_score.h"
 #include "survey/placement/placement_search.h"
@@ -37,34 +37,26 @@ Result<PoseList> poses_over(const SurveyModel& model, const Scene& scene, std::s
   return poses;
 }
 
-std::vector<SurveyBeacon> beacons_at(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept,
-                                     const std::vector<MountPoint>& points) {
-  std::vector<SurveyBeacon> beacons = kept;
-  for (const MountPoint& p : points) beacons.push_back(mounts.beacon(p));
-  return beacons;
-}
-
 bool better(const LayoutFigures& a, const LayoutFigures& b) {
   return LayoutScore::value(a) < LayoutScore::value(b);
 }
 
-LayoutFigures best_regular(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, std::size_t count,
-                           LayoutScore& score) {
+LayoutFigures best_regular(const SearchSpace& space, std::size_t count, LayoutScore& score) {
   LayoutFigures best;
   for (int phase = 0; phase < kPhases; ++phase) {
     const LayoutFigures f =
-        score.of(beacons_at(mounts, kept, mounts.regular(count, static_cast<double>(phase) / kPhases)));
+        score.of(space.beacons_at(space.mounts.regular(count, static_cast<double>(phase) / kPhases)));
     if (phase == 0 || better(f, best)) best = f;
   }
   return best;
 }
 
-LayoutFigures median_random(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept,
-                            std::size_t count, std::uint64_t seed, LayoutScore& score) {
+LayoutFigures median_random(const SearchSpace& space, std::size_t count, std::uint64_t seed,
+                            LayoutScore& score) {
   Random draws(seed, 1);
   std::vector<LayoutFigures> all;
   for (std::size_t i = 0; i < kRandomLayouts; ++i)
-    all.push_back(score.of(beacons_at(mounts, kept, mounts.random(count, draws))));
+    all.push_back(score.of(space.beacons_at(space.mounts.random(count, draws))));
   std::ranges::nth_element(all, all.begin() + kRandomLayouts / 2, better);
   return all[kRandomLayouts / 2];
 }
@@ -80,22 +72,22 @@ std::string next_name(const SurveyModel& model, std::size_t& number) {
   }
 }
 
-/// What all searches over one scene share.
-struct SearchSpace {
-  MountSpace mounts;
-  std::vector<SurveyBeacon> kept;
+/// What all searches over one scene share: where beacons may be, and the poses that a search and the stated
+/// figures look at.
+struct SearchGround {
+  SearchSpace space;
   PoseList coarse, fine;
 };
 
-Result<SearchSpace> search_space_of(const SurveyModel& model, const Scene& scene,
-                                    const PlacementOptions& options) {
+Result<SearchGround> search_ground_of(const SurveyModel& model, const Scene& scene,
+                                      const PlacementOptions& options) {
   auto mounts = MountSpace::of(scene);
   if (!mounts) return fail(mounts.error());
   auto coarse = poses_over(model, scene, options.cells), fine = poses_over(model, scene, options.final_cells);
   if (!coarse) return fail(coarse.error());
   if (!fine) return fail(fine.error());
-  return SearchSpace{std::move(*mounts), options.keep ? model.beacons : std::vector<SurveyBeacon>{},
-                     std::move(*coarse), std::move(*fine)};
+  SearchSpace space{std::move(*mounts), options.keep ? model.beacons : std::vector<SurveyBeacon>{}};
+  return SearchGround{std::move(space), std::move(*coarse), std::move(*fine)};
 }
 
 Result<void> check_number(const SurveyModel& model, std::size_t beacons, const PlacementOptions& options) {
@@ -124,9 +116,9 @@ PoseList worst_poses(const LayoutScore& score, std::size_t count) {
   return poses;
 }
 
-std::vector<std::vector<MountPoint>> starts_of(const MountSpace& mounts, std::size_t count,
-                                               const PlacementOptions& options) {
-  std::vector<std::vector<MountPoint>> starts;
+std::vector<MountLayout> starts_of(const MountSpace& mounts, std::size_t count,
+                                   const PlacementOptions& options) {
+  std::vector<MountLayout> starts;
   const int phases = std::min(kPhases, options.restarts + 2);
   for (int phase = 0; phase < kPhases; phase += kPhases / phases)
     starts.push_back(mounts.regular(count, static_cast<double>(phase) / kPhases));
@@ -145,9 +137,9 @@ void sharpen(const SearchSpace& space, std::size_t count, LayoutScore& coarse, L
   quick.local = LocalAlgorithm::kNone;
   quick.on_progress = nullptr;
   for (int round = 0; round < kSharpenings; ++round) {
-    SearchResult found = search_layout(space.mounts, space.kept, count, coarse, quick, {});
+    SearchResult found = search_layout(space, count, coarse, quick, {});
     for (auto layout = found.layouts.rbegin(); layout != found.layouts.rend(); ++layout) {
-      static_cast<void>(fine.of(beacons_at(space.mounts, space.kept, *layout)));
+      static_cast<void>(fine.of(space.beacons_at(*layout)));
       coarse.add_poses(worst_poses(fine, std::max<std::size_t>(8, fine.poses().size() / 400)));
     }
   }
@@ -155,15 +147,12 @@ void sharpen(const SearchSpace& space, std::size_t count, LayoutScore& coarse, L
 
 /// The best of the search's layouts over the fine cells. Where the worst cell counts, cells that the search
 /// did not look at and that turn out worst join it, and the best layout is refined, a few times.
-std::vector<MountPoint> best_layout(const SearchSpace& space, SearchResult& found, LayoutScore& coarse,
-                                    LayoutScore& fine, const PlacementOptions& options,
-                                    LayoutFigures& figures) {
-  const auto look = [&](const std::vector<MountPoint>& layout) {
-    return fine.of(beacons_at(space.mounts, space.kept, layout));
-  };
-  std::vector<MountPoint> best = found.layouts.front();
+MountLayout best_layout(const SearchSpace& space, SearchResult& found, LayoutScore& coarse, LayoutScore& fine,
+                        const PlacementOptions& options, LayoutFigures& figures) {
+  const auto look = [&](const MountLayout& layout) { return fine.of(space.beacons_at(layout)); };
+  MountLayout best = found.layouts.front();
   figures = look(best);
-  const auto take = [&](const std::vector<MountPoint>& layout) {
+  const auto take = [&](const MountLayout& layout) {
     const LayoutFigures f = look(layout);
     if (!better(f, figures)) return;
     figures = f;
@@ -171,29 +160,29 @@ std::vector<MountPoint> best_layout(const SearchSpace& space, SearchResult& foun
   };
   for (const auto& layout : found.layouts) take(layout);
   if (options.goal != PlacementGoal::kWorst || options.local == LocalAlgorithm::kNone) return best;
-  std::vector<MountPoint> refined = best;
+  MountLayout refined = best;
   for (int round = 0; round < kRefinements && !found.interrupted; ++round) {
     static_cast<void>(look(refined));
     coarse.add_poses(worst_poses(fine, std::max<std::size_t>(8, coarse.poses().size() / 20)));
-    refined = refine_layout(space.mounts, space.kept, refined, coarse, options, found);
+    refined = refine_layout(space, refined, coarse, options, found);
     take(refined);
   }
   return best;
 }
 
-Placement place(const SurveyModel& model, const SearchSpace& space, std::size_t beacons,
+Placement place(const SurveyModel& model, const SearchGround& ground, std::size_t beacons,
                 const PlacementOptions& options) {
+  const SearchSpace& space = ground.space;
   const std::size_t count = beacons - space.kept.size();
-  LayoutScore coarse(model, space.coarse, options), fine(model, space.fine, options);
+  LayoutScore coarse(model, ground.coarse, options), fine(model, ground.fine, options);
   sharpen(space, count, coarse, fine, options);
-  SearchResult found = search_layout(space.mounts, space.kept, count, coarse, options,
-                                     starts_of(space.mounts, count, options));
+  SearchResult found = search_layout(space, count, coarse, options, starts_of(space.mounts, count, options));
   Placement placement;
   placement.cells = fine.poses().size();
-  placement.regular = best_regular(space.mounts, space.kept, count, fine);
-  placement.random = median_random(space.mounts, space.kept, count, options.seed, fine);
-  placement.greedy = fine.of(beacons_at(space.mounts, space.kept, found.layouts.front()));
-  const std::vector<MountPoint> best = best_layout(space, found, coarse, fine, options, placement.figures);
+  placement.regular = best_regular(space, count, fine);
+  placement.random = median_random(space, count, options.seed, fine);
+  placement.greedy = fine.of(space.beacons_at(found.layouts.front()));
+  const MountLayout best = best_layout(space, found, coarse, fine, options, placement.figures);
   placement.evaluations = found.evaluations;
   placement.interrupted = found.interrupted;
   for (const SurveyBeacon& b : space.kept) placement.beacons.push_back({b, ""});
@@ -211,33 +200,33 @@ Placement place(const SurveyModel& model, const SearchSpace& space, std::size_t 
 Result<Placement> place_beacons(const SurveyModel& model, const Scene& scene, std::size_t beacons,
                                 const PlacementOptions& options) {
   if (const auto sound = check_number(model, beacons, options); !sound) return fail(sound.error());
-  const auto space = search_space_of(model, scene, options);
-  if (!space) return fail(space.error());
-  return place(model, *space, beacons, options);
+  const auto ground = search_ground_of(model, scene, options);
+  if (!ground) return fail(ground.error());
+  return place(model, *ground, beacons, options);
 }
 
 Result<SmallestPlacement> smallest_placement(const SurveyModel& model, const Scene& scene, double tolerance_m,
                                              std::size_t most_beacons, const PlacementOptions& options) {
-  const auto space = search_space_of(model, scene, options);
-  if (!space) return fail(space.error());
-  const std::size_t kept = space->kept.size();
+  const auto ground = search_ground_of(model, scene, options);
+  if (!ground) return fail(ground.error());
+  const SearchSpace& space = ground->space;
+  const std::size_t kept = space.kept.size();
   if (const auto sound = check_number(model, std::max(most_beacons, std::size_t{1}), options); !sound)
     return fail(sound.error());
   // Greedy choices tell how many are enough; from there downwards until a search finds none that is.
-  LayoutScore fine(model, space->fine, options);
-  LayoutScore coarse(model, space->coarse, options);
-  const std::vector<MountPoint> greedy =
-      greedy_layout(space->mounts, space->kept, most_beacons - kept, coarse);
+  LayoutScore fine(model, ground->fine, options);
+  LayoutScore coarse(model, ground->coarse, options);
+  const MountLayout greedy = greedy_layout(space, most_beacons - kept, coarse);
   std::size_t enough = most_beacons;
   for (std::size_t n = 1; n <= greedy.size(); ++n) {
-    const std::vector<MountPoint> first(greedy.begin(), greedy.begin() + static_cast<std::ptrdiff_t>(n));
-    if (fine.of(beacons_at(space->mounts, space->kept, first)).objective_m > tolerance_m) continue;
+    const MountLayout first(greedy.begin(), greedy.begin() + static_cast<std::ptrdiff_t>(n));
+    if (fine.of(space.beacons_at(first)).objective_m > tolerance_m) continue;
     enough = kept + n;
     break;
   }
   SmallestPlacement smallest;
   for (std::size_t n = enough; n > kept; --n) {
-    Placement placement = place(model, *space, n, options);
+    Placement placement = place(model, *ground, n, options);
     smallest.tried.emplace_back(n, placement.figures);
     const bool within = placement.figures.objective_m <= tolerance_m;
     if (within || !smallest.reached) smallest.placement = std::move(placement);

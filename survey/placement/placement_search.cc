@@ -19,36 +19,36 @@ constexpr double kGains = 1e-4;       ///< an exchange has to gain more than thi
 constexpr std::size_t kEvaluationsPerNumber = 400;  ///< of NLopt, for each unknown and algorithm
 
 /// A beacon of a layout with what it tells.
-struct PlacedBeacon {
+struct Spot {
   MountPoint point;
   std::shared_ptr<const BeaconLayer> layer;
 };
-using Layout = std::vector<PlacedBeacon>;
+using Spots = std::vector<Spot>;
 
-std::vector<MountPoint> search_points_of(const Layout& layout) {
-  std::vector<MountPoint> points;
-  for (const PlacedBeacon& s : layout) points.push_back(s.point);
+MountLayout layout_of(const Spots& layout) {
+  MountLayout points;
+  for (const Spot& s : layout) points.push_back(s.point);
   return points;
 }
 
 /// Choices from a grid of places whose layers are made once.
 class GridSearch {
  public:
-  GridSearch(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, LayoutScore& score)
-      : mounts_(mounts), score_(score), kept_(score.no_beacons()) {
-    for (const SurveyBeacon& b : kept) kept_.add(score.layer(b));
-    for (const MountPoint& p : mounts.grid(kGridPlaces)) places_.push_back(spot(p));
+  GridSearch(const SearchSpace& space, LayoutScore& score)
+      : space_(space), score_(score), kept_(score.no_beacons()) {
+    for (const SurveyBeacon& b : space.kept) kept_.add(score.layer(b));
+    for (const MountPoint& p : space.mounts.grid(kGridPlaces)) places_.push_back(spot(p));
   }
 
-  [[nodiscard]] Layout layout(const std::vector<MountPoint>& points) const {
-    Layout layout;
+  [[nodiscard]] Spots layout(const MountLayout& points) const {
+    Spots layout;
     for (const MountPoint& p : points) layout.push_back(spot(p));
     return layout;
   }
 
   /// One place after the other, each where it helps most.
-  [[nodiscard]] Layout greedy(std::size_t count) {
-    Layout layout;
+  [[nodiscard]] Spots greedy(std::size_t count) {
+    Spots layout;
     LayoutScore::Sum sum = kept_;
     while (layout.size() < count) {
       layout.push_back(places_.front());
@@ -59,8 +59,8 @@ class GridSearch {
   }
 
   /// The other way: from a beacon at every few places, taking away the one that is missed least.
-  [[nodiscard]] Layout stingy(std::size_t count) {
-    Layout layout;
+  [[nodiscard]] Spots stingy(std::size_t count) {
+    Spots layout;
     const std::size_t every = std::max<std::size_t>(1, places_.size() / std::max<std::size_t>(4 * count, 1));
     for (std::size_t i = 0; i < places_.size(); i += every) layout.push_back(places_[i]);
     LayoutScore::Sum sum = total(layout, layout.size());
@@ -82,7 +82,7 @@ class GridSearch {
 
   /// Takes each beacon in turn to the place of the grid where it helps most, until none moves. Returns the
   /// value reached.
-  double exchange(Layout& layout, bool soft) {
+  double exchange(Spots& layout, bool soft) {
     double value = score_.value_with(total(layout, layout.size()), nullptr, soft);
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       const double before = value;
@@ -96,12 +96,12 @@ class GridSearch {
   [[nodiscard]] std::size_t evaluations() const { return evaluations_; }
 
  private:
-  [[nodiscard]] PlacedBeacon spot(const MountPoint& p) const {
-    return {p, std::make_shared<BeaconLayer>(score_.layer(mounts_.beacon(p)))};
+  [[nodiscard]] Spot spot(const MountPoint& p) const {
+    return {p, std::make_shared<BeaconLayer>(score_.layer(space_.mounts.beacon(p)))};
   }
 
   /// All but one (none: the layout's size).
-  [[nodiscard]] LayoutScore::Sum total(const Layout& layout, std::size_t but) const {
+  [[nodiscard]] LayoutScore::Sum total(const Spots& layout, std::size_t but) const {
     LayoutScore::Sum sum = kept_;
     for (std::size_t k = 0; k < layout.size(); ++k)
       if (k != but) sum.add(*layout[k].layer);
@@ -109,8 +109,8 @@ class GridSearch {
   }
 
   /// The best place beside the others, where it is better than `value`; the value reached.
-  double best_for(const LayoutScore::Sum& others, PlacedBeacon& spot, double value, bool soft) {
-    for (const PlacedBeacon& place : places_) {
+  double best_for(const LayoutScore::Sum& others, Spot& spot, double value, bool soft) {
+    for (const Spot& place : places_) {
       ++evaluations_;
       const double v = score_.value_with(others, place.layer.get(), soft);
       if (!(v < value * (1 - kGains))) continue;
@@ -120,10 +120,10 @@ class GridSearch {
     return value;
   }
 
-  const MountSpace& mounts_;
+  const SearchSpace& space_;
   LayoutScore& score_;
   LayoutScore::Sum kept_;
-  std::vector<PlacedBeacon> places_;
+  std::vector<Spot> places_;
   std::size_t evaluations_ = 0;
 };
 
@@ -148,14 +148,14 @@ nlopt::algorithm algorithm_of(LocalAlgorithm a) {
 /// choice.
 class ContinuousSearch {
  public:
-  ContinuousSearch(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, LayoutScore& score,
-                   const PlacementOptions& options, std::size_t count)
-      : mounts_(mounts), kept_(kept), score_(score), options_(options), count_(count) {}
+  ContinuousSearch(const SearchSpace& space, LayoutScore& score, const PlacementOptions& options,
+                   std::size_t count)
+      : space_(space), score_(score), options_(options), count_(count) {}
 
   /// The best point that was looked at from `start` on, `start` included.
   /// @param soft  goes down on the soft value instead of the goal
-  [[nodiscard]] std::vector<MountPoint> run(nlopt::algorithm algorithm, const std::vector<MountPoint>& start,
-                                            double first_step, bool soft) {
+  [[nodiscard]] MountLayout run(nlopt::algorithm algorithm, const MountLayout& start, double first_step,
+                                bool soft) {
     soft_ = soft;
     const auto n = static_cast<unsigned>(count_ * numbers());
     nlopt::opt opt(algorithm, n);
@@ -178,10 +178,10 @@ class ContinuousSearch {
     } catch (const nlopt::forced_stop&) {
       interrupted_ = true;
     }
-    return search_points_of(best_);
+    return layout_of(best_);
   }
 
-  [[nodiscard]] double value_of(const std::vector<MountPoint>& points) {
+  [[nodiscard]] double value_of(const MountLayout& points) {
     soft_ = false;
     return value(numbers_of(points));
   }
@@ -195,9 +195,9 @@ class ContinuousSearch {
   void set_stage(double from, double to) { from_ = from, to_ = to; }
 
  private:
-  [[nodiscard]] std::size_t numbers() const { return mounts_.is_wide() ? 2 : 1; }
+  [[nodiscard]] std::size_t numbers() const { return space_.mounts.is_wide() ? 2 : 1; }
 
-  [[nodiscard]] std::vector<double> numbers_of(const std::vector<MountPoint>& points) const {
+  [[nodiscard]] std::vector<double> numbers_of(const MountLayout& points) const {
     std::vector<double> x;
     for (const MountPoint& p : points) {
       x.push_back(p.along);
@@ -205,8 +205,8 @@ class ContinuousSearch {
     }
     return x;
   }
-  [[nodiscard]] std::vector<MountPoint> search_points_of(const std::vector<double>& x) const {
-    std::vector<MountPoint> points;
+  [[nodiscard]] MountLayout layout_of(const std::vector<double>& x) const {
+    MountLayout points;
     for (std::size_t k = 0; k < count_; ++k)
       points.push_back({x[k * numbers()], numbers() == 2 ? x[2 * k + 1] : 0.5});
     return points;
@@ -214,8 +214,7 @@ class ContinuousSearch {
 
   double value(const std::vector<double>& x) {
     ++evaluations_;
-    std::vector<SurveyBeacon> beacons = kept_;
-    for (const MountPoint& p : search_points_of(x)) beacons.push_back(mounts_.beacon(p));
+    const std::vector<SurveyBeacon> beacons = space_.beacons_at(layout_of(x));
     return soft_ ? score_.soft_value(beacons) : LayoutScore::value(score_.of(beacons));
   }
 
@@ -233,8 +232,7 @@ class ContinuousSearch {
     return value;
   }
 
-  const MountSpace& mounts_;
-  const std::vector<SurveyBeacon>& kept_;
+  const SearchSpace& space_;
   LayoutScore& score_;
   const PlacementOptions& options_;
   std::size_t count_, evaluations_ = 0, asked_ = 0, most_ = 1;
@@ -243,26 +241,14 @@ class ContinuousSearch {
   bool interrupted_ = false, soft_ = false;
 };
 
-}  // namespace
-
-std::vector<MountPoint> greedy_layout(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept,
-                                      std::size_t count, LayoutScore& score) {
-  return search_points_of(GridSearch(mounts, kept, score).greedy(count));
-}
-
-namespace {
-
 /// The whole search, stage by stage.
 class LayoutSearch {
  public:
-  LayoutSearch(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, std::size_t count,
-               LayoutScore& score, const PlacementOptions& options)
-      : options_(options),
-        grid_(mounts, kept, score),
-        nlopt_(mounts, kept, score, options, count),
-        count_(count) {}
+  LayoutSearch(const SearchSpace& space, std::size_t count, LayoutScore& score,
+               const PlacementOptions& options)
+      : options_(options), grid_(space, score), nlopt_(space, score, options, count), count_(count) {}
 
-  SearchResult run(const std::vector<std::vector<MountPoint>>& starts) {
+  SearchResult run(const std::vector<MountLayout>& starts) {
     choose(starts);
     descend_from_the_best();
     global();
@@ -274,9 +260,9 @@ class LayoutSearch {
 
  private:
   /// Exchanges on the grid, from greedy and stingy choices and from all starts.
-  void choose(const std::vector<std::vector<MountPoint>>& starts) {
-    std::vector<Layout> layouts = {grid_.greedy(count_), grid_.stingy(count_)};
-    result_.layouts.push_back(search_points_of(layouts.front()));
+  void choose(const std::vector<MountLayout>& starts) {
+    std::vector<Spots> layouts = {grid_.greedy(count_), grid_.stingy(count_)};
+    result_.layouts.push_back(layout_of(layouts.front()));
     for (const auto& start : starts) {
       keep(start);
       layouts.push_back(grid_.layout(start));
@@ -285,9 +271,9 @@ class LayoutSearch {
                             nlopt_.report(0.3 * static_cast<double>(i) / static_cast<double>(layouts.size()));
          ++i) {
       static_cast<void>(grid_.exchange(layouts[i], /*soft=*/true));
-      keep(search_points_of(layouts[i]));
+      keep(layout_of(layouts[i]));
       static_cast<void>(grid_.exchange(layouts[i], /*soft=*/false));
-      keep(search_points_of(layouts[i]));
+      keep(layout_of(layouts[i]));
     }
   }
 
@@ -320,16 +306,16 @@ class LayoutSearch {
     nlopt_.set_stage(0.85, 1.0);
     for (int i = 0; i < kKicks && !nlopt_.interrupted(); ++i) {
       const double before = best_value_;
-      Layout layout = grid_.layout(best_);
+      Spots layout = grid_.layout(best_);
       static_cast<void>(grid_.exchange(layout, /*soft=*/false));
-      keep(search_points_of(layout));
+      keep(layout_of(layout));
       if (options_.local != LocalAlgorithm::kNone)
-        keep(nlopt_.run(algorithm_of(options_.local), search_points_of(layout), 0.02, /*soft=*/false));
+        keep(nlopt_.run(algorithm_of(options_.local), layout_of(layout), 0.02, /*soft=*/false));
       if (!(best_value_ < before * (1 - kGains))) return;
     }
   }
 
-  void keep(const std::vector<MountPoint>& layout) {
+  void keep(const MountLayout& layout) {
     result_.layouts.push_back(layout);
     const double value = nlopt_.value_of(layout);
     if (!best_.empty() && !(value < best_value_)) return;
@@ -342,22 +328,30 @@ class LayoutSearch {
   ContinuousSearch nlopt_;
   std::size_t count_;
   SearchResult result_;
-  std::vector<MountPoint> best_;
+  MountLayout best_;
   double best_value_ = 0.0;
 };
 
 }  // namespace
 
-SearchResult search_layout(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept, std::size_t count,
-                           LayoutScore& score, const PlacementOptions& options,
-                           const std::vector<std::vector<MountPoint>>& starts) {
-  return LayoutSearch(mounts, kept, count, score, options).run(starts);
+std::vector<SurveyBeacon> SearchSpace::beacons_at(const MountLayout& layout) const {
+  std::vector<SurveyBeacon> beacons = kept;
+  for (const MountPoint& p : layout) beacons.push_back(mounts.beacon(p));
+  return beacons;
 }
 
-std::vector<MountPoint> refine_layout(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept,
-                                      const std::vector<MountPoint>& start, LayoutScore& score,
-                                      const PlacementOptions& options, SearchResult& result) {
-  ContinuousSearch search(mounts, kept, score, options, start.size());
+MountLayout greedy_layout(const SearchSpace& space, std::size_t count, LayoutScore& score) {
+  return layout_of(GridSearch(space, score).greedy(count));
+}
+
+SearchResult search_layout(const SearchSpace& space, std::size_t count, LayoutScore& score,
+                           const PlacementOptions& options, const std::vector<MountLayout>& starts) {
+  return LayoutSearch(space, count, score, options).run(starts);
+}
+
+MountLayout refine_layout(const SearchSpace& space, const MountLayout& start, LayoutScore& score,
+                          const PlacementOptions& options, SearchResult& result) {
+  ContinuousSearch search(space, score, options, start.size());
   search.set_stage(1.0, 1.0);
   const auto layout = search.run(algorithm_of(options.local), start, 0.01, /*soft=*/false);
   result.evaluations += search.evaluations();

@@ -11,27 +11,31 @@
 
 namespace octant::survey {
 
+/// Where a search may put beacons: on a scene's mounts, beside those that are there already.
+struct SearchSpace {
+  MountSpace mounts;
+  std::vector<SurveyBeacon> kept;
+  /// Kept ones first.
+  [[nodiscard]] std::vector<SurveyBeacon> beacons_at(const MountLayout& layout) const;
+};
+
 struct SearchResult {
-  std::vector<std::vector<MountPoint>> layouts;  ///< greedy, exchanged, and what NLopt made of them
+  std::vector<MountLayout> layouts;  ///< greedy, exchanged, and what NLopt made of them
   std::size_t evaluations = 0;
   bool interrupted = false;
 };
 
 /// One place after the other from a grid, each where it helps most.
-[[nodiscard]] std::vector<MountPoint> greedy_layout(const MountSpace& mounts,
-                                                    const std::vector<SurveyBeacon>& kept, std::size_t count,
-                                                    LayoutScore& score);
+[[nodiscard]] MountLayout greedy_layout(const SearchSpace& space, std::size_t count, LayoutScore& score);
 
 /// @param starts  further layouts from which the local algorithm sets out
-[[nodiscard]] SearchResult search_layout(const MountSpace& mounts, const std::vector<SurveyBeacon>& kept,
-                                         std::size_t count, LayoutScore& score,
+[[nodiscard]] SearchResult search_layout(const SearchSpace& space, std::size_t count, LayoutScore& score,
                                          const PlacementOptions& options,
-                                         const std::vector<std::vector<MountPoint>>& starts);
+                                         const std::vector<MountLayout>& starts);
 
 /// The local algorithm once more from a layout, over the poses that the score looks at now.
-[[nodiscard]] std::vector<MountPoint> refine_layout(const MountSpace& mounts,
-                                                    const std::vector<SurveyBeacon>& kept,
-                                                    const std::vector<MountPoint>& start, LayoutScore& score,
-                                                    const PlacementOptions& options, SearchResult& result);
+[[nodiscard]] MountLayout refine_layout(const SearchSpace& space, const MountLayout& start,
+                                        LayoutScore& score, const PlacementOptions& options,
+                                        SearchResult& result);
 
 }  // namespace octant::survey

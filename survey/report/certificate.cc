@@ -23,32 +23,24 @@ constexpr const char* kToFillIn = ". . . . . . . . . . . . . . . .";
 
 std::string or_line(const std::string& text) { return text.empty() ? kToFillIn : text; }
 
-ReportTable two_columns(const char* id, const char* caption) {
-  return {id, caption, {{"what", true}, {"value", true}}};
-}
-
-void add_row(ReportTable& table, const char* what, std::string value) {
-  table.rows.push_back({{what}, {std::move(value)}});
-}
-
 std::string certificate_number(const Deployment& d, const CertificateInput& input) {
   if (!input.number.empty()) return input.number;
   return fmt::format("{}-{}", d.site.empty() ? "site" : d.site, input.digest.substr(0, kDigestShown));
 }
 
 ReportSection identification(const Deployment& d, const CertificateInput& input) {
-  ReportTable table = two_columns("identification", "This record and what it is about");
-  add_row(table, "certificate", certificate_number(d, input));
-  add_row(table, "calibrated by", or_line(input.organisation));
-  add_row(table, "operator", or_line(input.operator_name));
-  add_row(table, "customer", or_line(input.customer));
-  add_row(table, "place", or_line(input.place));
-  add_row(table, "item",
-          fmt::format("site {}: {} beacons, {} receivers on {} vehicles", d.site.empty() ? "-" : d.site,
-                      d.beacons.size(), d.receivers.size(), d.vehicles.size()));
-  add_row(table, "calibrated", d.created);
-  add_row(table, "issued", or_line(input.issued));
-  add_row(table, "deployment file, SHA-256", input.digest);
+  FactTable table("identification", "This record and what it is about");
+  table.add("certificate", certificate_number(d, input));
+  table.add("calibrated by", or_line(input.organisation));
+  table.add("operator", or_line(input.operator_name));
+  table.add("customer", or_line(input.customer));
+  table.add("place", or_line(input.place));
+  table.add("item",
+            fmt::format("site {}: {} beacons, {} receivers on {} vehicles", d.site.empty() ? "-" : d.site,
+                        d.beacons.size(), d.receivers.size(), d.vehicles.size()));
+  table.add("calibrated", d.created);
+  table.add("issued", or_line(input.issued));
+  table.add("deployment file, SHA-256", input.digest);
   return {"identification",
           "Identification",
           {table, ReportText{"The results relate to the items above as they were when they were calibrated. "
@@ -56,23 +48,23 @@ ReportSection identification(const Deployment& d, const CertificateInput& input)
 }
 
 ReportSection conditions(const Deployment& d) {
-  ReportTable table = two_columns("conditions-table", "During the recordings");
+  FactTable table("conditions-table", "During the recordings");
   if (const auto& range = d.validity_temperature_degC)
-    add_row(table, "air temperature", fmt::format("{:.1f} to {:.1f} degC", (*range)[0], (*range)[1]));
+    table.add("air temperature", fmt::format("{:.1f} to {:.1f} degC", (*range)[0], (*range)[1]));
   if (d.medium.model == MediumModel::kCramer1993) {
-    add_row(table, "relative humidity, as stated", fmt::format("{:.0f} %", 100 * d.medium.relative_humidity));
-    add_row(table, "air pressure, as stated", fmt::format("{:.0f} hPa", d.medium.pressure_pa / 100));
+    table.add("relative humidity, as stated", fmt::format("{:.0f} %", 100 * d.medium.relative_humidity));
+    table.add("air pressure, as stated", fmt::format("{:.0f} hPa", d.medium.pressure_pa / 100));
   }
-  add_row(table, "arrivals used", fmt::format("{}", d.statistics.arrivals));
-  add_row(table, "arrivals left out", fmt::format("{}", d.statistics.rejected));
+  table.add("arrivals used", fmt::format("{}", d.statistics.arrivals));
+  table.add("arrivals left out", fmt::format("{}", d.statistics.rejected));
   return {"conditions", "Conditions", {table}};
 }
 
 ReportSection method(const Deployment& d) {
-  ReportTable table = two_columns("method-table", "Program and data");
-  add_row(table, "program", "octant " + d.program_version);
-  add_row(table, "command", d.program_command);
-  for (const InputDigest& file : d.inputs) add_row(table, file.path.c_str(), "SHA-256 " + file.sha256);
+  FactTable table("method-table", "Program and data");
+  table.add("program", "octant " + d.program_version);
+  table.add("command", d.program_command);
+  for (const InputDigest& file : d.inputs) table.add(file.path, "SHA-256 " + file.sha256);
   return {
       "method",
       "Method",

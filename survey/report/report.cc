@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "models/support/enum_names.h"
 #include "survey/report/report_sections.h"
 
 namespace octant::survey {
@@ -31,6 +32,12 @@ std::string directivity_in_words(const Deployment& d) {
              : text + fmt::format(", sigma {:.2g} degrees", std::sqrt(d.covariance.matrix(at, at)) / kDegree);
 }
 
+Unit ResidualChart::time() const {
+  double largest_s = 0.0;
+  for (const ResidualBin& bin : bins) largest_s = std::max(largest_s, bin.rms_s);
+  return time_unit(largest_s);
+}
+
 double radius95_m(const DeploymentBeacon& beacon) {
   // The larger eigenvalue of the 2 x 2 covariance, in closed form.
   const auto& C = beacon.covariance_m2;
@@ -39,12 +46,8 @@ double radius95_m(const DeploymentBeacon& beacon) {
 }
 
 std::string in_words(BeaconStatus status) {
-  switch (status) {
-    case BeaconStatus::kCalibrated: return "calibrated";
-    case BeaconStatus::kControlPoint: return "control point";
-    case BeaconStatus::kUndetermined: return "undetermined";
-  }
-  return "undetermined";
+  static constexpr auto kWords = enum_names<BeaconStatus>("calibrated", "control point", "undetermined");
+  return kWords[status];
 }
 
 std::string as_sentence(std::string text) {

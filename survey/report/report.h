@@ -13,6 +13,7 @@
 #include "survey/changes.h"
 #include "survey/drawing/site_plan.h"
 #include "survey/evaluate.h"
+#include "survey/geometry/quantity.h"
 #include "survey/report/report_document.h"
 
 namespace octant::survey {
@@ -73,6 +74,8 @@ struct ResidualChart {
   std::string by;    ///< "beacon", "distance", ...
   std::string unit;  ///< of the bins' ends as given: "m", "deg", "degC", "s"; empty for names
   std::vector<ResidualBin> bins;
+  /// In which its residuals are read with ease.
+  [[nodiscard]] Unit time() const;
 };
 
 /// Standardised residuals counted in bins of equal width; what lies beyond the ends is in the outermost bins.

@@ -36,6 +36,13 @@ struct ReportTable {
   bool folded = false;  ///< figures of a drawing: shown on demand
 };
 
+/// A table of facts, each a row: what it is, and its value.
+struct FactTable : ReportTable {
+  FactTable(std::string table_id, std::string table_caption)
+      : ReportTable{std::move(table_id), std::move(table_caption), {{"what", true}, {"value", true}}} {}
+  void add(std::string what, std::string value) { rows.push_back({{std::move(what)}, {std::move(value)}}); }
+};
+
 /// A drawing, whole without a script, and if there is one the same as a figure of plotly.js.
 struct ReportFigure {
   std::string id;

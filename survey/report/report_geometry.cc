@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "models/physics/polygon.h"
 #include "survey/geometry/geometry_map.h"
 #include "survey/geometry/quantity.h"
 #include "survey/map/floor_grid.h"
@@ -20,9 +21,7 @@ constexpr double kCellsAcross = 48, kCellsAcrossForLoss = 28;
 constexpr std::size_t kMostLosses = 300;
 
 double cell_of(const SurveyModel& model, double cells_across) {
-  Eigen::Vector2d low = model.floor_m.front(), high = low;
-  for (const auto& p : model.floor_m) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  return std::max(1e-3, (high - low).maxCoeff() / cells_across);
+  return std::max(1e-3, bounds_of(model.floor_m).sizes().maxCoeff() / cells_across);
 }
 
 double or_nothing(double value) {

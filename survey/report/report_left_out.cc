@@ -69,11 +69,9 @@ std::optional<ReportSection> left_out_section(const ReportInput& input) {
 
 std::optional<ReportSection> words_section(const ReportInput& input) {
   if (input.words.empty()) return {};
-  ReportSection section{"words", "What the words mean"};
   ReportTable table{"words-table", "Words of this report", {{"word", true}, {"what it means", true}}};
   for (const auto& [word, meaning] : input.words) table.rows.push_back({{word}, {meaning}});
-  section.blocks.emplace_back(std::move(table));
-  return section;
+  return ReportSection{"words", "What the words mean", {std::move(table)}};
 }
 
 }  // namespace octant::survey

@@ -196,9 +196,7 @@ std::vector<std::string> next_steps(const ReportInput& input) {
 }
 
 std::optional<ReportSection> next_section(const ReportInput& input) {
-  ReportSection section{"next", "What to do next"};
-  section.blocks.emplace_back(ReportList{next_steps(input), true});
-  return section;
+  return ReportSection{"next", "What to do next", {ReportList{next_steps(input), true}}};
 }
 
 }  // namespace octant::survey

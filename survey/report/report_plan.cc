@@ -26,20 +26,6 @@ std::vector<PlanMove> moves_of(const ReportInput& input) {
   return moves;
 }
 
-/// As the plan draws them: from where a beacon hung, so many times as far.
-std::vector<NamedLine> move_lines(const PlanInput& plan) {
-  std::vector<NamedLine> lines;
-  const double factor = move_exaggeration(plan, plan_frame(plan).extent_m());
-  for (const PlanMove& move : plan.moves)
-    for (const DeploymentBeacon& b : plan.deployment.beacons)
-      if (b.name == move.beacon && is_drawn(b)) {
-        const Eigen::Vector2d to = b.position_m.head<2>();
-        lines.push_back(
-            {fmt::format("of {}, {:g} times", b.name, factor), {to - factor * move.shift_m.head<2>(), to}});
-      }
-  return lines;
-}
-
 }  // namespace
 
 std::optional<ReportSection> plan_section(const ReportInput& input) {
@@ -47,14 +33,12 @@ std::optional<ReportSection> plan_section(const ReportInput& input) {
   ReportSection section{"plan", "Plan of the site"};
   PlanInput drawn = input.plan;
   drawn.moves = moves_of(input);
-  PlanLines lines;
-  lines.moves = move_lines(drawn);
   ReportFigure plan{"figure-plan",
                     fmt::format("The site from above: calibrated beacons (discs), control points held fixed "
                                 "(triangles), 95 % error ellipses (2.45 sigma, drawn {:g} times as large as "
                                 "they are), the calibrated area (dashed) and where the vehicle was.",
                                 ellipse_exaggeration(drawn.deployment, plan_frame(drawn).extent_m())),
-                    site_plan_svg(drawn), plan_figure_json(drawn, lines)};
+                    site_plan_svg(drawn), plan_figure_json(drawn)};
   if (!input.plan.maps.empty()) {
     plan.legend = "Map";
     for (const auto& map : input.plan.maps)

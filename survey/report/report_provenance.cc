@@ -6,23 +6,21 @@ namespace octant::survey {
 
 std::optional<ReportSection> warnings_section(const ReportInput& input) {
   if (input.warnings.empty()) return {};
-  ReportSection section{"warnings", "Warnings"};
   ReportList list{input.warnings, false};
   if (list.items.size() > kMaxRows) {
     list.items.resize(kMaxRows);
     list.items.push_back(std::to_string(input.warnings.size() - kMaxRows) +
                          " more; the program lists them all with --json.");
   }
-  section.blocks.emplace_back(std::move(list));
-  return section;
+  return ReportSection{"warnings", "Warnings", {std::move(list)}};
 }
 
 std::optional<ReportSection> provenance_section(const ReportInput& input) {
   const Deployment& d = input.plan.deployment;
   ReportSection section{"provenance", "Where this comes from"};
-  ReportTable table{"provenance-table", "Enough to run it again", {{"what", true}, {"value", true}}};
+  FactTable table("provenance-table", "Enough to run it again");
   const auto row = [&](std::string what, std::string value) {
-    if (!value.empty()) table.rows.push_back({{std::move(what)}, {std::move(value)}});
+    if (!value.empty()) table.add(std::move(what), std::move(value));
   };
   row("program", d.program_version.empty() ? "" : "octant " + d.program_version);
   row("calibrated", d.created);

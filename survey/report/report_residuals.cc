@@ -44,9 +44,7 @@ ResidualChart worst_of(const ResidualChart& chart) {
 }
 
 ReportTable residual_table_of(const ResidualChart& chart) {
-  double largest_s = 0.0;
-  for (const auto& bin : chart.bins) largest_s = std::max(largest_s, bin.rms_s);
-  const Unit time = time_unit(largest_s);
+  const Unit time = chart.time();
   const bool names = chart.unit.empty();
   ReportTable table{"residuals-by-" + chart.by,
                     "Residuals by " + chart.by,

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "models/support/enum_names.h"
 #include "survey/geometry/quantity.h"
 #include "survey/report/report_sections.h"
 
@@ -118,14 +119,9 @@ std::string sentence_of(const ReportInput& input, const BeaconCounts& n) {
 }  // namespace
 
 const char* to_string(Grade grade) {
-  switch (grade) {
-    case Grade::kGood: return "Good";
-    case Grade::kUnjudged: return "Not judged";
-    case Grade::kPoor: return "Not good enough";
-    case Grade::kContradicted: return "Contradicted";
-    case Grade::kRefused: return "Refused";
-  }
-  return "Refused";
+  static constexpr auto kNames =
+      enum_names<Grade>("Good", "Not judged", "Not good enough", "Contradicted", "Refused");
+  return kNames[grade];
 }
 
 Tone tone_of(Grade grade) {

@@ -13,23 +13,19 @@ std::optional<ReportSection> verification_section(const ReportInput& input) {
   if (!input.evaluation) return {};
   const Evaluation& e = *input.evaluation;
   ReportSection section{"verification", "Verification with held-out runs"};
-  ReportTable table{"verification-table",
-                    "Fixes of runs that took no part in the calibration, against their reference",
-                    {{"what", true}, {"value", true}}};
-  const auto row = [&](const char* what, std::string value) {
-    table.rows.push_back({{what}, {std::move(value)}});
-  };
-  row("fixes", fmt::format("{}, of which {} have a reference", e.fixes, e.matched));
-  row("no fix", fmt::format("{} epochs or instants", e.no_fix));
+  FactTable table("verification-table",
+                  "Fixes of runs that took no part in the calibration, against their reference");
+  table.add("fixes", fmt::format("{}, of which {} have a reference", e.fixes, e.matched));
+  table.add("no fix", fmt::format("{} epochs or instants", e.no_fix));
   if (e.matched > 0) {
-    row("position error, RMSE", length_text(e.position_rmse_m));
-    row("position error, 95 %", length_text(e.position_p95_m));
-    row("position error, largest", length_text(e.max_error_m));
+    table.add("position error, RMSE", length_text(e.position_rmse_m));
+    table.add("position error, 95 %", length_text(e.position_p95_m));
+    table.add("position error, largest", length_text(e.max_error_m));
   }
-  if (e.heading_rmse_rad) row("heading error, RMSE", fmt::format("{:.4f} rad", *e.heading_rmse_rad));
+  if (e.heading_rmse_rad) table.add("heading error, RMSE", fmt::format("{:.4f} rad", *e.heading_rmse_rad));
   if (e.nees_mean)
-    row("NEES over its degrees of freedom",
-        fmt::format("{:.2f} (1: the stated sigmas are honest)", *e.nees_mean));
+    table.add("NEES over its degrees of freedom",
+              fmt::format("{:.2f} (1: the stated sigmas are honest)", *e.nees_mean));
   section.blocks.emplace_back(std::move(table));
   if (e.error_quantiles_m.size() > 1) {
     const auto& limit = input.plan.deployment.tolerance.fix_m;

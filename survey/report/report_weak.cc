@@ -13,25 +13,23 @@ namespace {
 ReportTable adjustment_table(const ReportInput& input) {
   const Deployment& d = input.plan.deployment;
   const CalibrationStatistics& s = d.statistics;
-  ReportTable table{"adjustment", "The adjustment as a whole", {{"what", true}, {"value", true}}};
-  const auto row = [&](std::string what, std::string value) {
-    table.rows.push_back({{std::move(what)}, {std::move(value)}});
-  };
-  row("datum", d.datum.description);
-  if (input.outcome == Outcome::kCalibrated) row("speed", speed_in_words(d));
+  FactTable table("adjustment", "The adjustment as a whole");
+  table.add("datum", d.datum.description);
+  if (input.outcome == Outcome::kCalibrated) table.add("speed", speed_in_words(d));
   if (d.attenuation) {
-    row("time-walk",
+    table.add(
+        "time-walk",
         fmt::format("{:.4g} V at 1 m, absorption {:.4g} Np/m, threshold {:.4g} V, rise time constant {}",
                     d.attenuation->amplitude_1m_v, d.attenuation->absorption_np_per_m,
                     d.attenuation->threshold_v, time_symbol_text(d.attenuation->rise_time_s)));
-    if (d.attenuation->directional()) row("receivers", directivity_in_words(d));
+    if (d.attenuation->directional()) table.add("receivers", directivity_in_words(d));
   }
-  row("arrivals", fmt::format("{} used, {} left out", s.arrivals, s.rejected));
-  for (const auto& note : input.left_out) row("left out: " + note.reason, std::to_string(note.count));
-  row("unknowns", fmt::format("{}, redundancy {:.0f}", s.unknowns, s.redundancy));
-  row("variance factor",
-      fmt::format("{:.4g} (1 where the stated noise is right; p = {:.3g})", s.variance_factor, s.chi2_p));
-  row("residuals, RMS", time_symbol_text(s.rms_s));
+  table.add("arrivals", fmt::format("{} used, {} left out", s.arrivals, s.rejected));
+  for (const auto& note : input.left_out) table.add("left out: " + note.reason, std::to_string(note.count));
+  table.add("unknowns", fmt::format("{}, redundancy {:.0f}", s.unknowns, s.redundancy));
+  table.add("variance factor", fmt::format("{:.4g} (1 where the stated noise is right; p = {:.3g})",
+                                           s.variance_factor, s.chi2_p));
+  table.add("residuals, RMS", time_symbol_text(s.rms_s));
   return table;
 }
 

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/physics/polygon.h"
 #include "survey/geometry/geometry_map.h"
-#include "survey/geometry/polygon.h"
 #include "survey/map/floor_grid.h"
 
 namespace octant::survey {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "survey/geometry/polygon.h"
+#include "models/physics/polygon.h"
 
 namespace octant::survey {
 namespace {
@@ -31,9 +31,8 @@ Result<StopPlaces> stop_places(const SurveyModel& model, const Scene& scene, dou
       return is_inside(o, p) || distance_to_outline_m(o, p) < clearance_m;
     });
   };
-  Eigen::Vector2d low = model.floor_m.front(), high = low;
-  for (const Eigen::Vector2d& p : model.floor_m) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  const Eigen::Vector2d size = high - low;
+  const Eigen::AlignedBox2d box = bounds_of(model.floor_m);
+  const Eigen::Vector2d size = box.sizes();
   if (!(size.x() * size.y() / (stops.spacing_m * stops.spacing_m) <= kMostPlaces))
     return fail({.file = scene.path,
                  .found = fmt::format("a grid of {:g} m makes {:.3g} places", stops.spacing_m,
@@ -44,7 +43,7 @@ Result<StopPlaces> stop_places(const SurveyModel& model, const Scene& scene, dou
   const Eigen::Array2d count = (size / stops.spacing_m).array().ceil().max(1.0), step = size.array() / count;
   for (double i = 0; i < count.x(); ++i)
     for (double j = 0; j < count.y(); ++j) {
-      const Eigen::Vector2d p = low.array() + step * (Eigen::Array2d(i, j) + 0.5);
+      const Eigen::Vector2d p = box.min().array() + step * (Eigen::Array2d(i, j) + 0.5);
       if (stops.may_stop(p)) stops.places_m.push_back(p);
     }
   if (stops.places_m.empty())

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "models/support/enum_names.h"
 #include "models/watch/cusum.h"
 
 namespace octant::survey {
@@ -121,14 +122,9 @@ void find_next(SiteTrend& trend) {
 }  // namespace
 
 const char* to_string(TrendQuantity quantity) {
-  switch (quantity) {
-    case TrendQuantity::kX: return "x_m";
-    case TrendQuantity::kY: return "y_m";
-    case TrendQuantity::kZ: return "z_m";
-    case TrendQuantity::kDelay: return "delay_s";
-    case TrendQuantity::kSpeedOffset: return "speed_offset_mps";
-  }
-  return "x_m";
+  static constexpr auto kNames =
+      enum_names<TrendQuantity>("x_m", "y_m", "z_m", "delay_s", "speed_offset_mps");
+  return kNames[quantity];
 }
 
 SiteTrend site_trend(const std::vector<CalibrationRecord>& records, const TrendOptions& options) {

@@ -64,13 +64,13 @@ void expect_as_predicted(const Achieved& achieved, const GeometryFigures& map, c
   ASSERT_GT(fixes, 0.98 * kDraws);
   EXPECT_GT(achieved.nees, test::chi2_quantile(1e-4, 2 * fixes)) << i;
   EXPECT_LT(achieved.nees, test::chi2_quantile(1 - 1e-4, 2 * fixes)) << i;
-  const double predicted = std::sqrt(map.sigma_m[i] * map.sigma_m[i] + part.xx_m2 + part.yy_m2);
+  const double predicted = std::sqrt(map[kSigma][i] * map[kSigma][i] + part.xx_m2 + part.yy_m2);
   EXPECT_NEAR(std::sqrt(achieved.square_m2 / fixes) / predicted, 1.0, 0.1) << i;
   if (calibrated)
-    EXPECT_GT(part.xx_m2 + part.yy_m2, 0.2 * map.sigma_m[i] * map.sigma_m[i])
+    EXPECT_GT(part.xx_m2 + part.yy_m2, 0.2 * map[kSigma][i] * map[kSigma][i])
         << "the part that is tested counts";
   if (!calibrated && has_heading) {
-    const double chi2 = achieved.heading_rad2 / std::pow(map.sigma_heading_rad[i], 2);
+    const double chi2 = achieved.heading_rad2 / std::pow(map[kSigmaHeading][i], 2);
     EXPECT_GT(chi2, test::chi2_quantile(1e-4, fixes));
     EXPECT_LT(chi2, test::chi2_quantile(1 - 1e-4, fixes));
   }
@@ -90,7 +90,7 @@ void compare(Deployment truth, const Scene& scene, const std::vector<PoseAt>& pl
   fill_tile(kernel, model.walls, poses, 0, poses.size(), tile);
   std::vector<std::vector<HeardPath>> paths(places.size());
   std::vector<SystematicPart> parts(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) heard_paths(model, kernel, tile, places[i], paths[i]);
+  for (std::size_t i = 0; i < places.size(); ++i) heard_paths(model, tile, places[i], paths[i]);
   calibration.systematic(model, paths, parts);
 
   std::vector<Achieved> achieved(places.size());
@@ -114,8 +114,8 @@ void compare(Deployment truth, const Scene& scene, const std::vector<PoseAt>& pl
       const Eigen::Vector2d e =
           fix.T_map_vehicle.translation_m.head<2>() - Eigen::Vector2d(places[i].x_m, places[i].y_m);
       Eigen::Matrix2d C;
-      C << std::pow(map.sigma_x_m[i], 2) + parts[i].xx_m2, map.covariance_xy_m2[i] + parts[i].xy_m2, 0,
-          std::pow(map.sigma_y_m[i], 2) + parts[i].yy_m2;
+      C << std::pow(map[kSigmaX][i], 2) + parts[i].xx_m2, map[kCovarianceXy][i] + parts[i].xy_m2, 0,
+          std::pow(map[kSigmaY][i], 2) + parts[i].yy_m2;
       C(1, 0) = C(0, 1);
       achieved[i].square_m2 += e.squaredNorm();
       achieved[i].nees += e.dot(C.inverse() * e);
@@ -151,7 +151,7 @@ SystematicPart part_at(const Deployment& d, const SurveyModel& model, const Pose
   fill_tile(kernel, model.walls, poses, 0, 1, tile);
   std::vector<std::vector<HeardPath>> paths(1);
   std::vector<SystematicPart> parts(1);
-  heard_paths(model, kernel, tile, place, paths[0]);
+  heard_paths(model, tile, place, paths[0]);
   CalibrationMap(d, model).systematic(model, paths, parts);
   return parts[0];
 }
@@ -346,9 +346,9 @@ TEST(Predicted, NoiseThatGrowsWithTheRange) {
           (weighed ? square_m2 : plain_m2) += (x.head<2>() - Eigen::Vector2d(at.x_m, at.y_m)).squaredNorm();
         }
       }
-      EXPECT_LT(std::sqrt(plain_m2 / draws) / map.sigma_m[0], 1.25) << at.x_m << ", " << at.y_m;
+      EXPECT_LT(std::sqrt(plain_m2 / draws) / map[kSigma][0], 1.25) << at.x_m << ", " << at.y_m;
       // The RMSE's own standard deviation is 1 %.
-      EXPECT_NEAR(std::sqrt(square_m2 / draws) / map.sigma_m[0], 1.0, 0.05) << at.x_m << ", " << at.y_m;
+      EXPECT_NEAR(std::sqrt(square_m2 / draws) / map[kSigma][0], 1.0, 0.05) << at.x_m << ", " << at.y_m;
     }
   }
 }

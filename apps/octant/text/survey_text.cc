@@ -13,7 +13,7 @@
 #include "io/import/plan_import.h"
 #include "io/import/png.h"
 #include "io/text/atomic_file.h"
-#include "survey/drawing/map_svg.h"
+#include "survey/drawing/survey_plan.h"
 #include "survey/map/binned_map.h"
 #include "survey/map/survey_csv.h"
 #include "survey/page/survey_verdict.h"
@@ -61,6 +61,8 @@ Json losses_json(const Survey& survey, const std::vector<Loss>& losses) {
   return list;
 }
 
+constexpr std::size_t kDrawnBins = 120;  ///< along the longer side of a map's drawing
+
 bool is_number(const FloorMap& map) { return map.name != "loss_one_beacon" && map.name != "mirror"; }
 
 void write(const std::string& folder, const std::string& name, std::string_view content,
@@ -72,7 +74,8 @@ void write(const std::string& folder, const std::string& name, std::string_view 
 void write_map(const Survey& survey, const FloorMap& map, const std::string& folder,
                std::vector<std::string>& written) {
   const auto cells = survey::cell_map(survey, map);
-  write(folder, map.name + ".svg", survey::map_svg(survey, survey::binned_map(survey, map)), written);
+  const std::string svg = survey::site_plan_svg(survey::survey_plan(survey, {&map}, kDrawnBins));
+  write(folder, map.name + ".svg", svg, written);
   write(folder, map.name + ".png", need(io::png_of(survey::pixels_of(cells), cells.columns, cells.rows)),
         written);
   const auto costmap = io::costmap_text(survey::costs_of(cells), cells.columns, cells.rows, cells.bin_m,

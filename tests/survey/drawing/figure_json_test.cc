@@ -140,15 +140,15 @@ TEST(PlanFigure, AMapAgainstATolerance) {
 }
 
 TEST(PlanFigure, LinesArePartedByGapsAndClosedWhereTheyAre) {
-  PlanLines lines;
-  lines.walls = {{"rack <1>", {{0, 0}, {1, 0}, {1, 1}}, true}, {"", {{2, 2}, {3, 3}}, false}};
-  const json wall = trace_of(json::parse(plan_figure_json(full_report().plan, lines)), "wall");
+  PlanInput plan = full_report().plan;
+  plan.walls = {{"rack <1>", {{0, 0}, {1, 0}, {1, 1}}, true}, {"", {{2, 2}, {3, 3}}, false}};
+  const json wall = trace_of(json::parse(plan_figure_json(plan)), "wall");
   EXPECT_EQ(wall["x"], json::parse("[0.0, 1.0, 1.0, 0.0, null, 2.0, 3.0, null]"));
   EXPECT_EQ(wall["text"], json::parse(R"(["rack &lt;1&gt;", "", "", "", "", "", "", ""])"));
   EXPECT_EQ(wall["hovertext"][5], "wall");
   // So many names would hide the map.
-  lines.walls.assign(41, lines.walls[0]);
-  EXPECT_FALSE(trace_of(json::parse(plan_figure_json(full_report().plan, lines)), "wall").contains("text"));
+  plan.walls.assign(41, NamedLine(plan.walls[0]));
+  EXPECT_FALSE(trace_of(json::parse(plan_figure_json(plan)), "wall").contains("text"));
 }
 
 TEST(PlanFigure, OfVeryManyBeaconsThereAreDotsAlone) {

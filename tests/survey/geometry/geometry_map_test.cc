@@ -47,16 +47,16 @@ PoseList at(double x, double y, double z = 0.0, double heading = 0.0) {
 TEST(GeometryMap, RegularPolygonAtItsCentre) {
   for (int n = 3; n <= 40; ++n) {
     const auto same = evaluate_poses(polygon_of(n, Clock::kSynchronised), at(0, 0));
-    EXPECT_NEAR(same.hdop[0], 2 / std::sqrt(n), 1e-12) << n;
-    EXPECT_NEAR(same.sigma_m[0], 0.01 * 2 / std::sqrt(n), 1e-14) << n;
-    EXPECT_EQ(same.tdop[0], 0.0);
+    EXPECT_NEAR(same[kHdop][0], 2 / std::sqrt(n), 1e-12) << n;
+    EXPECT_NEAR(same[kSigma][0], 0.01 * 2 / std::sqrt(n), 1e-14) << n;
+    EXPECT_EQ(same[kTdop][0], 0.0);
     const auto offset = evaluate_poses(polygon_of(n, Clock::kCycleOffset), at(0, 0));
-    EXPECT_NEAR(offset.hdop[0], 2 / std::sqrt(n), 1e-12) << n;
-    EXPECT_NEAR(offset.tdop[0], 1 / std::sqrt(n), 1e-12) << n;
-    EXPECT_NEAR(offset.gdop[0], std::sqrt(5.0 / n), 1e-12) << n;
-    EXPECT_EQ(same.beacons[0], n);
+    EXPECT_NEAR(offset[kHdop][0], 2 / std::sqrt(n), 1e-12) << n;
+    EXPECT_NEAR(offset[kTdop][0], 1 / std::sqrt(n), 1e-12) << n;
+    EXPECT_NEAR(offset[kGdop][0], std::sqrt(5.0 / n), 1e-12) << n;
+    EXPECT_EQ(same[kBeacons][0], n);
     // All ranges wrong by the same part of themselves: it cancels at the centre.
-    EXPECT_NEAR(same.shift_by_speed_m[0], 0.0, 1e-12);
+    EXPECT_NEAR(same[kShiftBySpeed][0], 0.0, 1e-12);
   }
 }
 
@@ -71,9 +71,9 @@ TEST(GeometryMap, HeadingOfAnArrayAtThePolygonsCentre) {
   for (auto& beacon : model.beacons) beacon.p_map_m *= 1e6;  // plane waves
   const auto f = evaluate_poses(model, at(0, 0));
   const double r = octagon_radius_m(0.05);
-  EXPECT_NEAR(f.heading_dop_rad_per_m[0], 1 / (r * std::sqrt(12 * 8 / 2.0)), 1e-6);
-  EXPECT_NEAR(f.hdop[0], 2 / std::sqrt(12 * 8), 1e-6);
-  EXPECT_EQ(f.arrivals[0], 96);
+  EXPECT_NEAR(f[kHeadingDop][0], 1 / (r * std::sqrt(12 * 8 / 2.0)), 1e-6);
+  EXPECT_NEAR(f[kHdop][0], 2 / std::sqrt(12 * 8), 1e-6);
+  EXPECT_EQ(f[kArrivals][0], 96);
 }
 
 // One satellite overhead and three evenly round the horizon: A = diag(3/2, 3/2) and [[1, 1], [1, 4]] in (z,
@@ -88,11 +88,11 @@ TEST(GeometryMap, SatelliteOverheadAndThreeOnTheHorizon) {
         {"horizon",
          {kFar * std::cos(i * 2 * std::numbers::pi / 3), kFar * std::sin(i * 2 * std::numbers::pi / 3), 0}});
   const auto f = evaluate_poses(model, at(0, 0));
-  EXPECT_NEAR(f.gdop[0], 1.7320508, 1e-6);
-  EXPECT_NEAR(f.pdop[0], std::sqrt(8.0 / 3), 1e-6);
-  EXPECT_NEAR(f.hdop[0], std::sqrt(4.0 / 3), 1e-6);
-  EXPECT_NEAR(f.vdop[0], std::sqrt(4.0 / 3), 1e-6);
-  EXPECT_NEAR(f.tdop[0], std::sqrt(1.0 / 3), 1e-6);
+  EXPECT_NEAR(f[kGdop][0], 1.7320508, 1e-6);
+  EXPECT_NEAR(f[kPdop][0], std::sqrt(8.0 / 3), 1e-6);
+  EXPECT_NEAR(f[kHdop][0], std::sqrt(4.0 / 3), 1e-6);
+  EXPECT_NEAR(f[kVdop][0], std::sqrt(4.0 / 3), 1e-6);
+  EXPECT_NEAR(f[kTdop][0], std::sqrt(1.0 / 3), 1e-6);
 }
 
 // With S = sum u u' of trace n and s = sum u, H'H = [[S, s], [s', n]]; by Schur complements its inverse has
@@ -108,13 +108,13 @@ TEST(GeometryMap, LeastDilutionOfPlatonicConstellations) {
          Eigen::Vector3d(i & 1 ? 1 : -1, i & 2 ? 1 : -1, (i == 0 || i == 3) ? 1 : -1).normalized() * kFar});
   for (int i = 0; i < 6; ++i)
     octahedron.beacons.push_back({"S", Eigen::Vector3d::Unit(i / 2) * (i % 2 ? kFar : -kFar)});
-  EXPECT_NEAR(evaluate_poses(tetrahedron, at(0, 0)).gdop[0], std::sqrt(10.0 / 4), 1e-9);
-  EXPECT_NEAR(evaluate_poses(octahedron, at(0, 0)).gdop[0], std::sqrt(10.0 / 6), 1e-9);
+  EXPECT_NEAR(evaluate_poses(tetrahedron, at(0, 0))[kGdop][0], std::sqrt(10.0 / 4), 1e-9);
+  EXPECT_NEAR(evaluate_poses(octahedron, at(0, 0))[kGdop][0], std::sqrt(10.0 / 6), 1e-9);
   Random draw(10);
   for (int n = 4; n < 30; ++n) {
     SurveyModel any = bare_model(Motion::kSpatial, Clock::kCycleOffset);
     for (int i = 0; i < n; ++i) any.beacons.push_back({"S", draw.normal3().normalized() * kFar});
-    EXPECT_GE(evaluate_poses(any, at(0, 0)).gdop[0], std::sqrt(10.0 / n)) << n;
+    EXPECT_GE(evaluate_poses(any, at(0, 0))[kGdop][0], std::sqrt(10.0 / n)) << n;
   }
 }
 
@@ -128,26 +128,26 @@ TEST(GeometryMap, FiveSatellitesAsPublished) {
        {Eigen::Vector3d(0, 1, 0), {1, 0, 0}, {0, -half, half}, {-half, 0, half}, {0, 0, 1}})
     model.beacons.push_back({"S", kFar * east_north_up});
   const auto f = evaluate_poses(model, at(0, 0));
-  EXPECT_NEAR(f.gdop[0], std::sqrt(23.0 / 3), 1e-9);
-  EXPECT_NEAR(f.pdop[0], std::sqrt(77.0 / 3) / 2, 1e-9);
-  EXPECT_NEAR(f.hdop[0], std::sqrt(25.0 / 6 - root2), 1e-9);
-  EXPECT_NEAR(f.vdop[0], std::sqrt(9.0 / 4 + root2), 1e-9);
-  EXPECT_NEAR(f.tdop[0], std::sqrt(5.0) / 2, 1e-9);
+  EXPECT_NEAR(f[kGdop][0], std::sqrt(23.0 / 3), 1e-9);
+  EXPECT_NEAR(f[kPdop][0], std::sqrt(77.0 / 3) / 2, 1e-9);
+  EXPECT_NEAR(f[kHdop][0], std::sqrt(25.0 / 6 - root2), 1e-9);
+  EXPECT_NEAR(f[kVdop][0], std::sqrt(9.0 / 4 + root2), 1e-9);
+  EXPECT_NEAR(f[kTdop][0], std::sqrt(5.0) / 2, 1e-9);
 }
 
 TEST(GeometryMap, NothingDeterminedIsNoFix) {
   SurveyModel model = bare_model(Motion::kPlanar, Clock::kSynchronised);
   model.beacons = {{"A", {0, 0, 0}}, {"B", {4, 0, 0}}};
   const auto on_the_line = evaluate_poses(model, at(1, 0));
-  EXPECT_EQ(on_the_line.hdop[0], kNoFix);
-  EXPECT_EQ(on_the_line.sigma_m[0], kNoFix);
-  EXPECT_EQ(on_the_line.protection_m[0], kNoFix);
+  EXPECT_EQ(on_the_line[kHdop][0], kNoFix);
+  EXPECT_EQ(on_the_line[kSigma][0], kNoFix);
+  EXPECT_EQ(on_the_line[kProtection][0], kNoFix);
   const auto beside = evaluate_poses(model, at(2, 2));
-  EXPECT_NEAR(beside.hdop[0], std::sqrt(2.0), 1e-12);  // at right angles
-  EXPECT_EQ(beside.protection_m[0], kNoFix);           // nobody could notice a fault
+  EXPECT_NEAR(beside[kHdop][0], std::sqrt(2.0), 1e-12);  // at right angles
+  EXPECT_EQ(beside[kProtection][0], kNoFix);             // nobody could notice a fault
   model.hearing.range_m = 2.5;
-  EXPECT_EQ(evaluate_poses(model, at(2, 2)).beacons[0], 0);
-  EXPECT_EQ(evaluate_poses(model, PoseList()).hdop.size(), 0u);
+  EXPECT_EQ(evaluate_poses(model, at(2, 2))[kBeacons][0], 0);
+  EXPECT_EQ(evaluate_poses(model, PoseList())[kHdop].size(), 0u);
 }
 
 /// A world full of everything: directed beacons and receivers, walls of all heights, a threshold.
@@ -221,8 +221,8 @@ void compare_integrity(const SurveyModel& model, const std::vector<BruteArrival>
     if (left < 1e-4 && left > 1e-8) return;  // on the verge of what counts as unnoticed, or lost to rounding
     if (left <= 1e-8) {
       ++agreement.unnoticed;
-      EXPECT_EQ(f.detectable_bias_m[i], kNoFix);
-      EXPECT_EQ(f.protection_m[i], kNoFix);
+      EXPECT_EQ(f[kDetectableBias][i], kNoFix);
+      EXPECT_EQ(f[kProtection][i], kNoFix);
       return;
     }
     const double just_found_m =
@@ -233,9 +233,9 @@ void compare_integrity(const SurveyModel& model, const std::vector<BruteArrival>
   ++agreement.noticed;
   const double largest =
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(C.topLeftCorner<2, 2>()).eigenvalues()[1];
-  EXPECT_NEAR(f.detectable_bias_m[i], bias_m, kRounded * bias_m);
-  EXPECT_NEAR(f.fault_shift_m[i], shift_m, kRounded * shift_m);
-  EXPECT_NEAR(f.protection_m[i], shift_m + kTwoSided999 * std::sqrt(largest), kRounded * f.protection_m[i]);
+  EXPECT_NEAR(f[kDetectableBias][i], bias_m, kRounded * bias_m);
+  EXPECT_NEAR(f[kFaultShift][i], shift_m, kRounded * shift_m);
+  EXPECT_NEAR(f[kProtection][i], shift_m + kTwoSided999 * std::sqrt(largest), kRounded * f[kProtection][i]);
 }
 
 void compare(const SurveyModel& model, const PoseList& poses, Agreement& agreement) {
@@ -244,7 +244,7 @@ void compare(const SurveyModel& model, const PoseList& poses, Agreement& agreeme
     const auto arrivals =
         brute_arrivals(model, poses.x_m[i], poses.y_m[i], poses.z_m[i], poses.heading_rad[i]);
     ++agreement.cells;
-    if (arrivals.size() != f.arrivals[i]) {
+    if (arrivals.size() != f[kArrivals][i]) {
       ++agreement.other_pairs;
       continue;
     }
@@ -256,7 +256,7 @@ void compare(const SurveyModel& model, const PoseList& poses, Agreement& agreeme
     const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled);
     const double condition = svd.singularValues()(0) / svd.singularValues()(svd.singularValues().size() - 1);
     if (!(condition < 1e9) || A.diagonal().minCoeff() <= 0) {
-      if (!(condition < 1e12)) EXPECT_EQ(f.hdop[i], kNoFix);
+      if (!(condition < 1e12)) EXPECT_EQ(f[kHdop][i], kNoFix);
       continue;
     }
     ++agreement.fixes;
@@ -272,28 +272,27 @@ void compare(const SurveyModel& model, const PoseList& poses, Agreement& agreeme
       EXPECT_NEAR(value, expected, tolerance * (expected + 1e-9)) << condition;
     };
     const int n = model.unknowns.count(), p = model.unknowns.position;
-    near(f.hdop[i], std::sqrt(Q(0, 0) + Q(1, 1)));
-    near(f.pdop[i], std::sqrt(Q.topLeftCorner(p, p).trace()));
-    near(f.vdop[i], p == 3 ? std::sqrt(Q(2, 2)) : 0.0);
-    near(f.tdop[i], model.unknowns.clock ? std::sqrt(Q(n - 1, n - 1)) : 0.0);
-    near(f.gdop[i],
+    near(f[kHdop][i], std::sqrt(Q(0, 0) + Q(1, 1)));
+    near(f[kPdop][i], std::sqrt(Q.topLeftCorner(p, p).trace()));
+    near(f[kVdop][i], p == 3 ? std::sqrt(Q(2, 2)) : 0.0);
+    near(f[kTdop][i], model.unknowns.clock ? std::sqrt(Q(n - 1, n - 1)) : 0.0);
+    near(f[kGdop][i],
          std::sqrt(Q.topLeftCorner(p, p).trace() + (model.unknowns.clock ? Q(n - 1, n - 1) : 0.0)));
     if (model.unknowns.rotation > 0)
-      near(f.heading_dop_rad_per_m[i],
-           std::sqrt(Q(p + model.unknowns.rotation - 1, p + model.unknowns.rotation - 1)));
-    near(f.sigma_m[i], std::sqrt(C(0, 0) + C(1, 1)));
-    near(f.sigma_x_m[i], std::sqrt(C(0, 0)));
-    near(f.sigma_y_m[i], std::sqrt(C(1, 1)));
-    near(f.sigma_z_m[i], p == 3 ? std::sqrt(C(2, 2)) : 0.0);
-    near(f.sigma_heading_rad[i], model.unknowns.rotation > 0 ? std::sqrt(C(p + model.unknowns.rotation - 1,
-                                                                           p + model.unknowns.rotation - 1))
-                                                             : 0.0);
-    EXPECT_NEAR(f.covariance_xy_m2[i], C(0, 1), tolerance * C.diagonal().head<2>().maxCoeff());
+      near(f[kHeadingDop][i], std::sqrt(Q(p + model.unknowns.rotation - 1, p + model.unknowns.rotation - 1)));
+    near(f[kSigma][i], std::sqrt(C(0, 0) + C(1, 1)));
+    near(f[kSigmaX][i], std::sqrt(C(0, 0)));
+    near(f[kSigmaY][i], std::sqrt(C(1, 1)));
+    near(f[kSigmaZ][i], p == 3 ? std::sqrt(C(2, 2)) : 0.0);
+    near(f[kSigmaHeading][i], model.unknowns.rotation > 0 ? std::sqrt(C(p + model.unknowns.rotation - 1,
+                                                                        p + model.unknowns.rotation - 1))
+                                                          : 0.0);
+    EXPECT_NEAR(f[kCovarianceXy][i], C(0, 1), tolerance * C.diagonal().head<2>().maxCoeff());
     compare_integrity(model, arrivals, C, f, i, agreement);
     Eigen::VectorXd by_speed = Eigen::VectorXd::Zero(n);
     for (const auto& a : arrivals) by_speed += a.row * a.distance_m / (a.sigma_m * a.sigma_m);
-    EXPECT_NEAR(f.shift_by_speed_m[i], (C * by_speed).head<2>().norm(),
-                1e-8 * std::max(1.0, condition / 1e4) * (1 + f.shift_by_speed_m[i]));
+    EXPECT_NEAR(f[kShiftBySpeed][i], (C * by_speed).head<2>().norm(),
+                1e-8 * std::max(1.0, condition / 1e4) * (1 + f[kShiftBySpeed][i]));
   }
 }
 
@@ -347,10 +346,10 @@ TEST(GeometryMap, LayersAddUpToTheMap) {
     for (std::size_t i = 0; i < poses.size(); ++i) {
       int beacons = 0;
       for (const auto& row : heard) beacons += row[i];
-      EXPECT_EQ(map.beacons[i], beacons);
+      EXPECT_EQ(map[kBeacons][i], beacons);
       // Near-singular cells may fall on either side: pivots are taken in another order.
-      if (map.sigma_m[i] < 10 || sigma[i] < 10)
-        EXPECT_NEAR(sigma[i], map.sigma_m[i], 1e-6 * map.sigma_m[i]) << i;
+      if (map[kSigma][i] < 10 || sigma[i] < 10)
+        EXPECT_NEAR(sigma[i], map[kSigma][i], 1e-6 * map[kSigma][i]) << i;
     }
   }
 }
@@ -360,8 +359,8 @@ TEST(GeometryMap, ThreadsDoNotMatter) {
   const SurveyModel model = random_model(draw, Motion::kPlanar, Clock::kSynchronised, true, 20, 20);
   PoseList poses;
   for (int i = 0; i < 40000; ++i) poses.add(30.0 * (i % 200) / 200, 20.0 * (i / 200) / 200, 0, 0);
-  EXPECT_EQ(evaluate_poses(model, poses, {.threads = 1}).hdop,
-            evaluate_poses(model, poses, {.threads = 3}).hdop);
+  EXPECT_EQ(evaluate_poses(model, poses, {.threads = 1})[kHdop],
+            evaluate_poses(model, poses, {.threads = 3})[kHdop]);
 }
 
 }  // namespace

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include "models/physics/polygon.h"
 #include "models/simulator/random.h"
 #include "survey/geometry/geometry_map.h"
-#include "survey/geometry/polygon.h"
 #include "survey/schedule/floor_schedule.h"
 #include "survey/schedule/stop_places.h"
 #include "tests/survey/halls.h"

@@ -95,5 +95,17 @@ TEST(Quantity, AColumnsUnitSuitsItsLargestNumber) {
   EXPECT_EQ(time_unit(std::numeric_limits<double>::quiet_NaN()).name, "s");
 }
 
+TEST(FigureText, IsAsPeopleReadIt) {
+  EXPECT_EQ(figure_text(0.0421, "m"), "42.1 mm");
+  EXPECT_EQ(figure_text(0.0994, "m"), "99.4 mm");
+  EXPECT_EQ(figure_text(0.0996, "m"), "0.0996 m");
+  EXPECT_EQ(figure_text(3.2, "m"), "3.2 m");
+  EXPECT_EQ(figure_text(1.414, ""), "1.41");
+  EXPECT_EQ(figure_text(0.25, "rad"), "0.25 rad");
+  EXPECT_EQ(figure_text(std::numeric_limits<double>::infinity(), "m"), "no fix");
+  EXPECT_EQ(figure_text(1234.5, "m"), "1234 m") << "nobody reads 1.23e+03";
+  EXPECT_EQ(figure_text(2500, ""), "2500");
+}
+
 }  // namespace
 }  // namespace octant::survey

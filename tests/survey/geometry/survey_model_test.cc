@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "models/physics/polygon.h"
 #include "models/simulator/random.h"
-#include "survey/geometry/polygon.h"
 #include "tests/survey/small_scene.h"
 
 namespace octant::survey {

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "survey/drawing/map_svg.h"
+#include "survey/drawing/palette.h"
 #include "survey/map/survey.h"
 #include "tests/support/worlds.h"
 #include "tests/survey/small_scene.h"
@@ -67,7 +67,13 @@ TEST(BinnedMap, ABinHoldsTheWorstOfItsCells) {
   ASSERT_EQ(pixels.size(), 4u * 24 * 16);
   EXPECT_EQ(pixels[4 * (8 * 24 + 11) + 3], 0);  // the picture's rows go down
   EXPECT_EQ(pixels[3], 255);
-  EXPECT_THAT(map_svg(survey, bins), HasSubstr("B3</text>"));
+}
+
+TEST(Palette, HexadecimalDigitsAreColours) {
+  EXPECT_EQ(rgb_of("#00204d"), (std::array<std::uint8_t, 3>{0x00, 0x20, 0x4d}));
+  EXPECT_EQ(rgb_of("#ffe945"), (std::array<std::uint8_t, 3>{255, 233, 69}));
+  EXPECT_EQ(kToleranceParts.size() + 1, kToleranceColours.size()) << "a limit between any two";
+  EXPECT_TRUE(std::is_sorted(kToleranceParts.begin(), kToleranceParts.end()));
 }
 
 }  // namespace

@@ -10,8 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "models/physics/polygon.h"
 #include "models/simulator/random.h"
-#include "survey/geometry/polygon.h"
 #include "tests/support/worlds.h"
 
 namespace octant::survey {

@@ -132,7 +132,7 @@ TEST(Paths, AreThoseThatAreHeardOneByOne) {
     for (std::size_t i = 0; i < poses.size(); ++i) {
       const PoseAt pose{poses.x_m[i], poses.y_m[i], poses.z_m[i], poses.heading_rad[i]};
       std::vector<HeardPath> paths(3);  // what they held is forgotten
-      heard_paths(model, kernel, *tile, pose, paths);
+      heard_paths(model, *tile, pose, paths);
       const auto expected = test::brute_arrivals(model, pose.x_m, pose.y_m, pose.z_m, pose.heading_rad);
       ASSERT_EQ(paths.size(), expected.size()) << world << " " << i;
       for (std::size_t k = 0; k < paths.size(); ++k) {

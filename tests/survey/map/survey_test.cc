@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "models/physics/polygon.h"
 #include "models/physics/receiver_array.h"
 #include "models/simulator/random.h"
 #include "survey/geometry/map_tiles.h"
-#include "survey/geometry/polygon.h"
 #include "survey/geometry/scene_check.h"
 #include "survey/map/calibration_map.h"
 #include "survey/map/mirror.h"
@@ -172,29 +172,29 @@ TEST(Survey, TotalAndProtectionHoldTheCalibrationsPart) {
   std::size_t within = 0, noise_alone_within = 0;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     within += map("total_m", i) <= 0.006, noise_alone_within += map("sigma_m", i) <= 0.006;
-    if (i % 7 != 0 || f.sigma_m[i] == kNoFix) continue;
+    if (i % 7 != 0 || f[kSigma][i] == kNoFix) continue;
     const PoseAt at{poses.x_m[i], poses.y_m[i], 0.0, 0.0};
     KernelTile tile;
     fill_tile(kernel, model.walls, poses, i, 1, tile);
     std::vector<std::vector<HeardPath>> paths(1);
     std::vector<SystematicPart> part(1);
-    heard_paths(model, kernel, tile, at, paths[0]);
+    heard_paths(model, tile, at, paths[0]);
     calibration.systematic(model, paths, part);
     const double systematic_m2 = part[0].xx_m2 + part[0].yy_m2;
     const auto near = [&](const char* name, double expected) {
       EXPECT_NEAR(map(name, i), expected, 1e-5 * expected) << name << " " << i;
     };  // floats
-    near("sigma_m", f.sigma_m[i]);
+    near("sigma_m", f[kSigma][i]);
     near("calibration_m", std::sqrt(systematic_m2));
-    near("total_m", std::sqrt(f.sigma_m[i] * f.sigma_m[i] + systematic_m2));
-    near("speed_part_m", f.shift_by_speed_m[i] * 0.2 / model.speed_mps);
-    if (f.fault_shift_m[i] == kNoFix) continue;
+    near("total_m", std::sqrt(f[kSigma][i] * f[kSigma][i] + systematic_m2));
+    near("speed_part_m", f[kShiftBySpeed][i] * 0.2 / model.speed_mps);
+    if (f[kFaultShift][i] == kNoFix) continue;
     Eigen::Matrix2d C;
-    C << f.sigma_x_m[i] * f.sigma_x_m[i] + part[0].xx_m2, f.covariance_xy_m2[i] + part[0].xy_m2, 0,
-        f.sigma_y_m[i] * f.sigma_y_m[i] + part[0].yy_m2;
+    C << f[kSigmaX][i] * f[kSigmaX][i] + part[0].xx_m2, f[kCovarianceXy][i] + part[0].xy_m2, 0,
+        f[kSigmaY][i] * f[kSigmaY][i] + part[0].yy_m2;
     C(1, 0) = C(0, 1);
     near("protection_m",
-         f.fault_shift_m[i] +
+         f[kFaultShift][i] +
              3.29 * std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(C).eigenvalues()[1]));
   }
   EXPECT_LT(within, noise_alone_within) << "the calibration's part matters here";
@@ -221,7 +221,7 @@ TEST(Survey, OfSeveralHeadingsTheWorstCounts) {
   const auto survey = must(run_survey(model, scene, nullptr, {.failures = 0}));
   std::vector<double> worst(survey.grid.cells.size(), 0.0), first;
   for (int h = 0; h < 6; ++h) {
-    const auto sigma = evaluate_poses(model, poses_of(survey.grid, h * std::numbers::pi / 3, 0.0)).sigma_m;
+    const auto sigma = evaluate_poses(model, poses_of(survey.grid, h * std::numbers::pi / 3, 0.0))[kSigma];
     if (h == 0) first = sigma;
     for (std::size_t i = 0; i < worst.size(); ++i) worst[i] = std::max(worst[i], sigma[i]);
   }

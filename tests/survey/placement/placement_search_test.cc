@@ -71,7 +71,7 @@ double least_of_all(World& world, std::size_t count) {
 
 TEST(PlacementSearch, GreedyTakesThePlaceThatHelpsMostEachTime) {
   World world;
-  const auto greedy = greedy_layout(world.mounts, {}, 5, world.score);
+  const auto greedy = greedy_layout({world.mounts, {}}, 5, world.score);
   ASSERT_EQ(greedy.size(), 5U);
   std::vector<MountPoint> layout;
   for (const MountPoint& taken : greedy) {
@@ -92,7 +92,7 @@ TEST(PlacementSearch, FindsTheBestOfAllChoices) {
   PlacementOptions options;
   options.global = GlobalAlgorithm::kNone, options.local = LocalAlgorithm::kNone;
   for (const std::size_t count : {3U, 4U, 5U}) {
-    const SearchResult found = search_layout(world.mounts, {}, count, world.score, options, {});
+    const SearchResult found = search_layout({world.mounts, {}}, count, world.score, options, {});
     double best = INFINITY;
     for (const auto& layout : found.layouts) {
       ASSERT_EQ(layout.size(), count);
@@ -114,7 +114,7 @@ TEST(PlacementSearch, AStartIsNeverLost) {
   options.global = GlobalAlgorithm::kNone, options.local = LocalAlgorithm::kNone;
   const auto poles = all_poles(world);
   const std::vector<MountPoint> start = {poles[0], poles[3], poles[4], poles[7]};
-  const SearchResult found = search_layout(world.mounts, {}, 4, world.score, options, {start});
+  const SearchResult found = search_layout({world.mounts, {}}, 4, world.score, options, {start});
   double best = INFINITY;
   for (const auto& layout : found.layouts) best = std::min(best, value_of(world, layout));
   EXPECT_LE(best, value_of(world, start));
@@ -124,7 +124,7 @@ TEST(PlacementSearch, KeptBeaconsAreThereFromTheBeginning) {
   World world;
   // Those that stand in one corner need the others elsewhere.
   const std::vector<SurveyBeacon> kept = {{"K0", {1, 1, 3}}, {"K1", {1.5, 1, 3}}};
-  const auto greedy = greedy_layout(world.mounts, kept, 1, world.score);
+  const auto greedy = greedy_layout({world.mounts, kept}, 1, world.score);
   double least = INFINITY, taken = 0.0;
   for (const MountPoint& pole : all_poles(world)) {
     auto beacons = kept;
@@ -154,7 +154,7 @@ TEST(PlacementSearch, RefiningGoesDownOnly) {
     options.local = local;
     options.evaluations = 200;
     SearchResult result;
-    const auto better = refine_layout(mounts, {}, start, score, options, result);
+    const auto better = refine_layout({mounts, {}}, start, score, options, result);
     EXPECT_LT(value(better), value(start)) << static_cast<int>(local);
     EXPECT_LE(result.evaluations, 202U) << "the budget";
     for (const MountPoint& p : better) {
@@ -172,7 +172,7 @@ TEST(PlacementSearch, StopsWhereOneHasHadEnough) {
     EXPECT_LE(fraction, 1.0);
     return ++asked < 2;
   };
-  const SearchResult found = search_layout(world.mounts, {}, 4, world.score, options, {});
+  const SearchResult found = search_layout({world.mounts, {}}, 4, world.score, options, {});
   EXPECT_TRUE(found.interrupted);
   EXPECT_GE(found.layouts.size(), 1U) << "what there is";
 }

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "survey/geometry/polygon.h"
+#include "models/physics/polygon.h"
 #include "survey/page/proof_sheet.h"
 #include "survey/placement/mounts.h"
 #include "tests/survey/halls.h"

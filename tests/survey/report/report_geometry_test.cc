@@ -56,7 +56,7 @@ TEST(ReportGeometry, LossIsWhatRemainsWithoutTheBeacon) {
     }
     const GeometryFigures expected = evaluate_poses(model, poses);
     for (std::size_t i = 0; i < poses.size(); ++i)
-      EXPECT_NEAR(found_mm[i], 1e3 * expected.sigma_m[i], 1e-6 * found_mm[i]);  // sums in another order
+      EXPECT_NEAR(found_mm[i], 1e3 * expected[kSigma][i], 1e-6 * found_mm[i]);  // sums in another order
   }
   for (std::size_t i = 1; i < input.losses.size(); ++i)
     EXPECT_GE(*input.losses[i - 1].p95, *input.losses[i].p95);

@@ -1,19 +1,18 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "survey/geometry/polygon.h"
+#include "models/physics/polygon.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-namespace octant::survey {
+#include "models/physics/plane.h"
+
+namespace octant {
 namespace {
 
 using Eigen::Vector2d;
 
-double turn(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
-  return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
-}
+double turn(const Vector2d& a, const Vector2d& b, const Vector2d& c) { return cross(b - a, c - a); }
 
 bool within_box(const Vector2d& a, const Vector2d& b, const Vector2d& p) {
   return (p.array() >= a.cwiseMin(b).array()).all() && (p.array() <= a.cwiseMax(b).array()).all();
@@ -30,12 +29,16 @@ bool meet(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2
 
 }  // namespace
 
+Eigen::AlignedBox2d bounds_of(std::span<const Vector2d> points) {
+  Eigen::AlignedBox2d box;
+  for (const Vector2d& p : points) box.extend(p);
+  return box;
+}
+
 double signed_area_m2(const Polygon& polygon) {
   double twice = 0.0;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vector2d &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-    twice += a.x() * b.y() - a.y() * b.x();
-  }
+  for (std::size_t i = 0; i < polygon.size(); ++i)
+    twice += cross(polygon[i], polygon[(i + 1) % polygon.size()]);
   return twice / 2;
 }
 
@@ -50,15 +53,19 @@ bool is_inside(const Polygon& polygon, const Vector2d& p) {
   return inside;
 }
 
-double distance_to_outline_m(const Polygon& polygon, const Vector2d& p) {
-  double least = std::numeric_limits<double>::infinity();
+Vector2d nearest_on_outline(const Polygon& polygon, const Vector2d& p) {
+  Vector2d nearest = polygon.front();
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const Vector2d &a = polygon[i], along = polygon[(i + 1) % polygon.size()] - a;
     const double part =
         along.squaredNorm() > 0 ? std::clamp((p - a).dot(along) / along.squaredNorm(), 0.0, 1.0) : 0.0;
-    least = std::min(least, (p - a - part * along).norm());
+    if (const Vector2d q = a + part * along; (q - p).squaredNorm() < (nearest - p).squaredNorm()) nearest = q;
   }
-  return least;
+  return nearest;
+}
+
+double distance_to_outline_m(const Polygon& polygon, const Vector2d& p) {
+  return (nearest_on_outline(polygon, p) - p).norm();
 }
 
 std::optional<std::pair<std::size_t, std::size_t>> self_crossing(const Polygon& polygon) {
@@ -82,6 +89,7 @@ Polygon convex_hull(std::vector<Vector2d> points) {
   std::ranges::sort(points, [](const Vector2d& a, const Vector2d& b) {
     return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
   });
+  if (points.size() < 3) return points;
   Polygon hull;
   for (int pass = 0; pass < 2; ++pass) {
     const std::size_t begin = hull.size();
@@ -89,10 +97,10 @@ Polygon convex_hull(std::vector<Vector2d> points) {
       while (hull.size() >= begin + 2 && turn(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
       hull.push_back(p);
     }
-    if (!hull.empty()) hull.pop_back();
+    hull.pop_back();
     std::ranges::reverse(points);
   }
   return hull;
 }
 
-}  // namespace octant::survey
+}  // namespace octant
