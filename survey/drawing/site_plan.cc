@@ -249,8 +249,9 @@ double draw_legend(std::string& svg, const PlanInput& input, const PlanFrame& fr
     entry(fmt::format("<circle class='missed' cx='{:.1f}' cy='{:.1f}' r='6'/>", x, y),
           "place, its area by how many");
   }
-  svg += fmt::format("<text x='{:.1f}' y='{:.1f}'>{}</text>\n", kPlanMargin_px - 4, y + 4 + kLegendRow_px,
-                     last_line);
+  if (!last_line.empty())
+    svg += fmt::format("<text x='{:.1f}' y='{:.1f}'>{}</text>\n", kPlanMargin_px - 4, y + 4 + kLegendRow_px,
+                       last_line);
   svg += "</g>\n";
   return (input.misses.empty() ? 2 : 3) * kLegendRow_px;
 }
@@ -321,7 +322,8 @@ std::string site_plan_svg(const PlanInput& input) {
                                     : fmt::format(" Arrows: moves since the earlier calibration, {:g} times.",
                                                   move_exaggeration(input, frame.extent_m()))));
   if (!input.maps.empty()) height += kLegendRow_px;
-  return framed("Plan of " + input.deployment.site, height, svg);
+  const std::string of_map = input.maps.size() == 1 ? ": " + input.maps.front().name : "";
+  return framed("Plan of " + input.deployment.site + of_map, height, svg);
 }
 
 std::string elevation_svg(const PlanInput& input) {
