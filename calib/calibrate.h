@@ -51,5 +51,9 @@ struct Provenance {
 /// The deployment of a solution with status kConverged.
 [[nodiscard]] Deployment make_deployment(const Problem& problem, const Solution& solution,
                                          const Provenance& provenance);
+/// What a deployment takes over from the site and from where it came, whatever the outcome: all but what was
+/// solved for.
+[[nodiscard]] Deployment deployment_head(const Site& site, const Solution& solution,
+                                         const Provenance& provenance);
 
 }  // namespace octant::calib

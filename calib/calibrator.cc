@@ -50,8 +50,7 @@ class Calibrator {
     Solution solution;
     solution.warnings = std::move(warnings_);
     solution.contradictions = log_.problem().contradictions;
-    conclude(log_.problem(), options_, estimate_, std::move(all->findings), all->trajectories, solution);
-    solution.trajectories = std::move(all->trajectories);
+    conclude(log_.problem(), options_, estimate_, std::move(*all), solution);
     return solution;
   }
 
@@ -114,7 +113,7 @@ class Calibrator {
     // Measured poses take their part of what the arrivals are off by, so that little is left in these.
     const auto& runs = log_.problem().runs;
     const bool are_posed =
-        std::any_of(runs.begin(), runs.end(), [](const MeasurementLog& run) { return !run.poses.empty(); });
+        std::ranges::any_of(runs, [](const MeasurementLog& run) { return !run.poses.empty(); });
     if (is_far_off(sigma) && (sigma > 1 || !are_posed)) log_.scale_noise(estimate_, {.arrivals = sigma});
     return adjust_and_scale_noise(
         [this] { return log_.adjust_inliers(estimate_); },

@@ -58,7 +58,6 @@ struct LeftOutBearing {
   std::size_t run = 0;                  ///< index into Problem::runs
   std::size_t bearing = 0;              ///< index into MeasurementLog::bearings
   Rejection reason = Rejection::kUsed;  ///< kLate, kEarly: it does not fit, to the one side or the other
-  double residual_rad = 0.0;
 };
 
 /// A measured pose that was left out.

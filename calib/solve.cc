@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include <utility>
 
 #include "calib/calibrate.h"
 #include "calib/calibrator.h"

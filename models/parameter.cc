@@ -28,13 +28,6 @@ constexpr std::array<TopicRow, kParameterTopics> kTopicRows = {{
     {"drift of the vehicle's clock", "fire each beacon again at the end of the cycle"},
 }};
 
-std::string receiver_path(std::size_t receiver, const NameTable& names) {
-  std::string path = names.vehicles[names.receivers[receiver].vehicle.index()];
-  path += '/';
-  path += names.receivers[receiver].name;
-  return path;
-}
-
 /// Empty: the number is nobody's own.
 std::string owner_path(const ParameterId& id, const NameTable& names) {
   switch (row_of(id.kind).owner) {
@@ -92,6 +85,13 @@ ParameterTopic topic_of(const ParameterId& id) {
 
 const char* words_of(ParameterTopic topic) { return kTopicRows[static_cast<std::size_t>(topic)].words; }
 const char* remedy_of(ParameterTopic topic) { return kTopicRows[static_cast<std::size_t>(topic)].remedy; }
+
+std::string receiver_path(std::size_t receiver, const NameTable& names) {
+  std::string path = names.vehicles[names.receivers[receiver].vehicle.index()];
+  path += '/';
+  path += names.receivers[receiver].name;
+  return path;
+}
 
 std::string owner_name(const ParameterId& id, const NameTable& names) {
   std::string path = row_of(id.kind).prefix;

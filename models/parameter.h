@@ -162,6 +162,8 @@ auto visit_parameter(const ParameterId& id, Visitor&& holder) {
 
 /// All numbers of the owner: "beacon/B1", "receiver/robot/r0".
 [[nodiscard]] std::string owner_name(const ParameterId& id, const NameTable& names);
+/// "robot/r0".
+[[nodiscard]] std::string receiver_path(std::size_t receiver, const NameTable& names);
 
 /// Where parameters stand in a list of them; -1: not among them.
 class ParameterIndex {

@@ -89,6 +89,11 @@ struct SiteBeacon {
       delay_sigma_s{};  ///< prior of its delay, in place of timing's; with delay_per beacon
   Prior log_gain{};     ///< of its amplitude over the attenuation's, ln; sigma 0: held fixed
 
+  /// None where a coordinate is unknown.
+  [[nodiscard]] std::optional<Eigen::Vector3d> place_m() const {
+    if (!position_m[0] || !position_m[1] || !position_m[2]) return {};
+    return Eigen::Vector3d(*position_m[0], *position_m[1], *position_m[2]);
+  }
   [[nodiscard]] bool is_control_point() const {
     for (int i = 0; i < 3; ++i)
       if (!position_m[i] || !sigma_m[i] || *sigma_m[i] != 0.0) return false;

@@ -3,14 +3,11 @@
 #include "calib/adjust/adjust.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <memory>
 #include <numeric>
 #include <utility>
 
 #include <ceres/ceres.h>
-#include <Eigen/Cholesky>
 
 #include "calib/adjust/evaluation_point.h"
 #include "calib/adjust/priors.h"

@@ -43,13 +43,12 @@ class SparseSum {
 
 Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem, const ParameterLayout& layout,
                                                   std::vector<Trajectory>& trajectories,
-                                                  const Eigen::VectorXd& x, const RobustLoss& loss,
-                                                  const Workers& workers) {
+                                                  const Eigen::VectorXd& x, const Workers& workers) {
   const SharedState state = layout.state_of(x);
   TileSum tiles(trajectories, layout, workers);
-  static_cast<void>(tiles.solve_states(state, loss));
+  static_cast<void>(tiles.solve_states(state, {}));
   std::vector<ReducedSystem> systems;
-  tiles.reduce_each(state, loss, systems);
+  tiles.reduce_each(state, {}, systems);
   tiles.share_states();
   SparseSum sum(layout.size());
   for (std::size_t t = 0; t < systems.size(); ++t) {
@@ -69,13 +68,13 @@ Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem, const 
 
 Information information_at(const Problem& problem, const ParameterLayout& layout,
                            std::vector<Trajectory>& trajectories, const Eigen::VectorXd& x,
-                           const RobustLoss& loss, const Workers& workers) {
+                           const Workers& workers) {
   Information info;
   const SharedState state = layout.state_of(x);
   TileSum tiles(trajectories, layout, workers);
-  static_cast<void>(tiles.solve_states(state, loss));
+  static_cast<void>(tiles.solve_states(state, {}));
   ReducedSystem sum;
-  tiles.reduce(state, loss, sum);
+  tiles.reduce(state, {}, sum);
   info.data_cost = sum.cost;
   tiles.share_states();
   info.data = std::move(sum.H);

@@ -21,11 +21,13 @@ struct Information {
 };
 [[nodiscard]] Information information_at(const Problem& problem, const ParameterLayout& layout,
                                          std::vector<Trajectory>& trajectories, const Eigen::VectorXd& x,
-                                         const RobustLoss& loss = {}, const Workers& workers = {});
+                                         const Workers& workers = {});
 /// The matrix of data and priors together, for sites where the dense one would be too large: it has all
 /// elements of parameters that some stop, prior or taped distance connects, both triangles.
-[[nodiscard]] Eigen::SparseMatrix<double> sparse_information_at(
-    const Problem& problem, const ParameterLayout& layout, std::vector<Trajectory>& trajectories,
-    const Eigen::VectorXd& x, const RobustLoss& loss = {}, const Workers& workers = {});
+[[nodiscard]] Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem,
+                                                                const ParameterLayout& layout,
+                                                                std::vector<Trajectory>& trajectories,
+                                                                const Eigen::VectorXd& x,
+                                                                const Workers& workers = {});
 
 }  // namespace octant::calib

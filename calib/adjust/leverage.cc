@@ -41,31 +41,15 @@ Eigen::MatrixXd symmetric_root_of(const Eigen::MatrixXd& C) {
   return unit.scale.asDiagonal() * symmetric_root(unit.scaled);
 }
 
-/// Inverse in the directions that are observed, zero in the others; adds their number to `rank`.
-NodeBlock observed_inverse(const NodeBlock& D, std::size_t& rank) {
+/// Inverse in the directions that are observed, zero in the others.
+NodeBlock observed_inverse(const NodeBlock& D) {
   const UnitDiagonal<NodeBlock> unit(D);
   const SymmetricEigen<NodeBlock> eigen(unit.scaled);
   NodeVector inverse_values = NodeVector::Zero(D.rows());
-  for (Eigen::Index i = 0; i < D.rows(); ++i) {
-    if (!(eigen.eigenvalues()[i] > kUnobserved)) continue;
-    inverse_values[i] = 1.0 / eigen.eigenvalues()[i];
-    ++rank;
-  }
+  for (Eigen::Index i = 0; i < D.rows(); ++i)
+    if (eigen.eigenvalues()[i] > kUnobserved) inverse_values[i] = 1.0 / eigen.eigenvalues()[i];
   const NodeBlock V = unit.inverse_scale.asDiagonal() * eigen.eigenvectors();
   return V * inverse_values.asDiagonal() * V.transpose();
-}
-
-/// The observations of nodes [first, last) in a list ordered by node.
-template <class Observation>
-void narrow(const std::vector<Observation>& list, std::size_t first_node, std::size_t last_node,
-            std::size_t& first, std::size_t& last) {
-  const auto begin = list.begin() + static_cast<std::ptrdiff_t>(first),
-             end = list.begin() + static_cast<std::ptrdiff_t>(last);
-  const auto before = [](const Observation& o, std::size_t node) { return o.node < node; };
-  const auto from = std::lower_bound(begin, end, first_node, before),
-             to = std::lower_bound(from, end, last_node, before);
-  first = static_cast<std::size_t>(from - list.begin());
-  last = static_cast<std::size_t>(to - list.begin());
 }
 
 }  // namespace
@@ -74,11 +58,7 @@ LeverageSweep::LeverageSweep(const ParameterLayout& layout, const Covariance& C)
     : layout_(layout), C_(&C), place_(static_cast<std::size_t>(layout.size()), -1) {
   if (C.matrix() == nullptr) return;
   std::iota(place_.begin(), place_.end(), 0);
-  std::vector<int> coordinates;
-  for (const auto& columns : layout.beacon)
-    for (const int c : columns)
-      if (c >= 0) coordinates.push_back(c);
-  set_root(symmetric_root_of(*C.matrix()), coordinates);
+  set_root(symmetric_root_of(*C.matrix()), layout.beacon_columns());
   lateness_total_.assign(layout.beacon.size(), 0.0);
   lateness_remaining_.assign(layout.beacon.size(), 0.0);
   lateness_shared_.setZero(static_cast<Eigen::Index>(layout.beacon.size()), root_.cols());
@@ -143,11 +123,10 @@ Segment LeverageSweep::part(const Trajectory& t, const Segment& segment, std::si
   Segment s = segment;
   s.first_node = segment.first_node + block * kNodesPerBlock;
   s.last_node = std::min(segment.last_node, s.first_node + kNodesPerBlock);
-  narrow(t.arrivals, s.first_node, s.last_node, s.first_arrival, s.last_arrival);
-  narrow(t.bearings, s.first_node, s.last_node, s.first_bearing, s.last_bearing);
-  narrow(t.poses, s.first_node, s.last_node, s.first_pose, s.last_pose);
-  narrow(t.odometry, s.first_node, s.last_node, s.first_odometry, s.last_odometry);
-  narrow(t.motion_steps, s.first_node, s.last_node, s.first_motion, s.last_motion);
+  for_each_list([&](auto list, auto first, auto last) {
+    s.*first = first_of_node(t.*list, s.first_node, s.*first, s.*last);
+    s.*last = first_of_node(t.*list, s.last_node, s.*first, s.*last);
+  });
   return s;
 }
 
@@ -219,7 +198,7 @@ void LeverageSweep::eliminate(bool first_pass) {
   for (std::size_t k = first_; k < last_; ++k) {
     const auto at = static_cast<Eigen::Index>(k - first_) * n_;
     if (first_pass) {
-      inverse_[k] = observed_inverse(D_[k], determined_states_);
+      inverse_[k] = observed_inverse(D_[k]);
       for (Eigen::Index b = 0; b < lateness_G_.cols(); ++b) {
         const NodeVector g = lateness_G_.col(b).segment(at, n_);
         if (g.isZero(0.0)) continue;

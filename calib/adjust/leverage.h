@@ -87,8 +87,6 @@ class LeverageSweep {
   /// What is known of each beacon's lateness, after all trajectories were swept; empty where the covariance
   /// is not formed as a whole.
   [[nodiscard]] std::vector<LatenessInformation> lateness() const;
-  /// Dimensions of the states swept that observations determine.
-  [[nodiscard]] std::size_t determined_states() const { return determined_states_; }
   /// L of the covariance as a whole (of the segment at hand, where that is not formed).
   [[nodiscard]] const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& root() const {
     return root_;
@@ -120,7 +118,6 @@ class LeverageSweep {
   RowMatrix beacon_root_;     ///< rows of L of the beacon coordinates
   std::vector<double> lateness_total_, lateness_remaining_;
   RowMatrix lateness_shared_;  ///< beacons x rank
-  std::size_t determined_states_ = 0;
 
   // Of the segment at hand, by node.
   std::size_t count_ = 0;

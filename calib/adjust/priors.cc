@@ -24,7 +24,7 @@ std::vector<PriorRow> prior_rows(const Problem& problem, const ParameterLayout& 
                                  const Eigen::VectorXd& x) {
   std::vector<PriorRow> rows;
   for (int i = 0; i < layout.size(); ++i) {
-    const Parameter& p = layout.parameters[static_cast<std::size_t>(i)];
+    const Parameter& p = layout.parameter(i);
     const double weight = std::isfinite(p.prior_sigma) ? 1.0 / p.prior_sigma : 0.0;
     rows.push_back({weight * (x[i] - p.prior_mean), {{i, weight}}});
   }
@@ -53,7 +53,7 @@ void for_each_of_prior(const Problem& problem, const ParameterLayout& layout, co
                        const std::function<void(int, int, double)>& visit) {
   const std::vector<PriorRow> rows = prior_rows(problem, layout, x);
   for (int i = 0; i < layout.size(); ++i)
-    if (const double sigma = layout.parameters[static_cast<std::size_t>(i)].prior_sigma; std::isfinite(sigma))
+    if (const double sigma = layout.parameter(i).prior_sigma; std::isfinite(sigma))
       visit(i, i, 1.0 / (sigma * sigma));
   for (std::size_t r = layout.parameters.size(); r < rows.size(); ++r)
     for (const auto& [i, a] : rows[r].entries)

@@ -31,7 +31,7 @@ class SparseFactor {
   [[nodiscard]] std::optional<double> inverse(Eigen::Index i, Eigen::Index j) const;
 
  private:
-  struct Parts;
+  class Parts;
   explicit SparseFactor(std::unique_ptr<Parts> parts);
   void invert();
   [[nodiscard]] Eigen::MatrixXd gather(const std::vector<int>& rows) const;

@@ -10,8 +10,6 @@
 #include <tuple>
 #include <utility>
 
-#include "calib/chain/chain_reduction.h"
-#include "calib/lanes/stop_block.h"
 #include "models/support/parallel.h"
 #include "models/trajectory/solve_states.h"
 
@@ -49,10 +47,6 @@ Tile::Tile(Trajectory* trajectory, std::vector<std::size_t> stops, const StopArr
   find_columns();
   commit();
 }
-
-Tile::Tile(Tile&&) noexcept = default;
-Tile& Tile::operator=(Tile&&) noexcept = default;
-Tile::~Tile() = default;
 
 void Tile::find_columns() {
   const ParameterLayout& layout = *layout_;

@@ -7,14 +7,12 @@
 
 #include <Eigen/Core>
 
+#include "calib/chain/chain_reduction.h"
+#include "calib/lanes/stop_block.h"
 #include "calib/problem/parameters.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
-
-class ChainReduction;
-class StopArrivals;
-class StopBlock;
 
 /// Cost, gradient and Gauss-Newton matrix of some observations in the shared parameters they touch, vehicle
 /// states eliminated.
@@ -38,11 +36,8 @@ class Tile {
   /// @param general   all others
   Tile(Trajectory* trajectory, std::vector<std::size_t> stops, const StopArrivals* arrivals,
        std::vector<std::size_t> general, const ParameterLayout* layout);
-  Tile(Tile&&) noexcept;
-  Tile& operator=(Tile&&) noexcept;
-  ~Tile();
 
-  [[nodiscard]] const Trajectory& trajectory() const { return *trajectory_; }
+  [[nodiscard]] Trajectory& trajectory() const { return *trajectory_; }
   /// Calls visit(index) for each of its segments.
   template <class Visit>
   void for_each_segment(Visit&& visit) const {

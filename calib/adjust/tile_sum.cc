@@ -4,7 +4,8 @@
 
 #include <numeric>
 
-#include "calib/adjust/node_numbers.h"
+#include "calib/adjust/node_buffer.h"
+#include "calib/adjust/over_ranks.h"
 #include "models/support/parallel.h"
 
 namespace octant::calib {
@@ -16,8 +17,7 @@ constexpr std::size_t kShares = 16;
 }  // namespace
 
 TileSum::TileSum(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, const Workers& workers)
-    : trajectories_(trajectories),
-      layout_(layout),
+    : layout_(layout),
       workers_(workers),
       tiles_(make_tiles(trajectories, layout, workers.threads)),
       costs_(tiles_.size()),
@@ -54,7 +54,7 @@ double TileSum::solve_states(const SharedState& state, const RobustLoss& loss) {
   for_each_of_mine([&](Tile& tile, std::size_t i, std::size_t, int threads) {
     costs_[i] = tile.solve_states(state, loss, threads);
   });
-  if (workers_.ranks != nullptr) workers_.ranks->sum(costs_);
+  sum_over(workers_.ranks, costs_);
   return std::accumulate(costs_.begin(), costs_.end(), 0.0);
 }
 
@@ -77,11 +77,7 @@ void TileSum::reduce(const SharedState& state, const RobustLoss& loss, ReducedSy
     sum.H += shares_[share].H;
     sum.gradient += shares_[share].gradient;
   }
-  if (workers_.ranks != nullptr) {
-    workers_.ranks->sum({sum.H.data(), static_cast<std::size_t>(sum.H.size())});
-    workers_.ranks->sum({sum.gradient.data(), static_cast<std::size_t>(sum.gradient.size())});
-  }
-  sum.H = sum.H.selfadjointView<Eigen::Lower>();
+  complete(sum);
   sum.cost = std::accumulate(costs_.begin(), costs_.end(), 0.0);
 }
 
@@ -100,18 +96,21 @@ void TileSum::reduce_each(const SharedState& state, const RobustLoss& loss,
   });
   correct_costs(off);
   for (std::size_t i = 0; i < systems.size(); ++i) {
-    ReducedSystem& system = systems[i];
-    system.cost = costs_[i];
-    if (workers_.ranks != nullptr) {
-      workers_.ranks->sum({system.H.data(), static_cast<std::size_t>(system.H.size())});
-      workers_.ranks->sum({system.gradient.data(), static_cast<std::size_t>(system.gradient.size())});
-    }
-    system.H = system.H.selfadjointView<Eigen::Lower>();
+    systems[i].cost = costs_[i];
+    complete(systems[i]);
   }
 }
 
+void TileSum::complete(ReducedSystem& system) const {
+  if (workers_.ranks != nullptr) {
+    workers_.ranks->sum({system.H.data(), static_cast<std::size_t>(system.H.size())});
+    workers_.ranks->sum({system.gradient.data(), static_cast<std::size_t>(system.gradient.size())});
+  }
+  system.H = system.H.selfadjointView<Eigen::Lower>();
+}
+
 void TileSum::correct_costs(std::vector<double>& off) {
-  if (workers_.ranks != nullptr) workers_.ranks->sum(off);
+  sum_over(workers_.ranks, off);
   for (std::size_t i = 0; i < costs_.size(); ++i) costs_[i] += off[i];
 }
 
@@ -122,29 +121,25 @@ void TileSum::commit() {
 void TileSum::share_states() {
   for_each_of_mine([](Tile& tile, std::size_t, std::size_t, int) { tile.rewind(); });
   if (workers_.ranks == nullptr) return;
-  std::size_t nodes = 0;
-  for (const Trajectory& t : trajectories_) nodes += t.nodes.size();
-  // Of each node one rank tells what it is, all others nothing.
-  std::vector<double> values(nodes * kNumbersOfNode, 0.0);
-  std::vector<char> received(nodes, 0);
-  std::vector<std::size_t> first(trajectories_.size(), 0);
-  for (std::size_t i = 1; i < first.size(); ++i) first[i] = first[i - 1] + trajectories_[i - 1].nodes.size();
-  for (std::size_t share = 0; share < kShares; ++share)
-    for (std::size_t i = first_of(share); i < first_of(share + 1); ++i) {
-      const Trajectory& t = tiles_[i].trajectory();
-      const std::size_t base = first[static_cast<std::size_t>(&t - trajectories_.data())];
-      tiles_[i].for_each_segment([&](std::size_t s) {
-        for (std::size_t k = t.segments[s].first_node; k < t.segments[s].last_node; ++k) {
-          received[base + k] = 1;
-          if (is_mine(share)) put_numbers(t.nodes[k], values.data() + (base + k) * kNumbersOfNode);
-        }
-      });
-    }
-  workers_.ranks->sum(values);
-  for (std::size_t i = 0; i < trajectories_.size(); ++i)
-    for (std::size_t k = 0; k < trajectories_[i].nodes.size(); ++k)
-      if (received[first[i] + k] != 0)
-        read_numbers(values.data() + (first[i] + k) * kNumbersOfNode, trajectories_[i].nodes[k]);
+  // The nodes of the ranks' shares, one behind the other, are those of all shares in their order.
+  const auto for_each_node = [this](auto&& visit) {
+    for (std::size_t share = 0; share < kShares; ++share)
+      for (std::size_t i = first_of(share); i < first_of(share + 1); ++i) {
+        Trajectory& t = tiles_[i].trajectory();
+        tiles_[i].for_each_segment([&](std::size_t s) {
+          for (std::size_t k = t.segments[s].first_node; k < t.segments[s].last_node; ++k)
+            visit(share, t.nodes[k]);
+        });
+      }
+  };
+  std::vector<std::vector<double>> mine(1);
+  BufferWriter writer(mine.front());
+  for_each_node([&](std::size_t share, const Node& node) {
+    if (is_mine(share)) writer.exchange(node);
+  });
+  const std::vector<double> all = in_order(workers_.ranks, std::move(mine));
+  BufferReader reader(all);
+  for_each_node([&](std::size_t, Node& node) { reader.exchange(node); });
 }
 
 }  // namespace octant::calib

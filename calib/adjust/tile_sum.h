@@ -60,10 +60,11 @@ class TileSum : public SystemSum {
   [[nodiscard]] std::size_t first_of(std::size_t share) const;
   template <class Work>
   void for_each_of_mine(Work&& work);
+  /// Adds what the other ranks have of it, and fills both triangles.
+  void complete(ReducedSystem& system) const;
   /// @param off  by how much each tile's cost was off, this rank's
   void correct_costs(std::vector<double>& off);
 
-  std::vector<Trajectory>& trajectories_;
   const ParameterLayout& layout_;
   Workers workers_;
   std::vector<Tile> tiles_;

@@ -200,8 +200,6 @@ void eliminate_window(const ChainWindow& w, double floor_of_last, double spare_f
   }
 }
 
-const char* chain_target_name() { return hwy::TargetName(HWY_TARGET); }
-
 }  // namespace HWY_NAMESPACE
 }  // namespace octant::calib
 HWY_AFTER_NAMESPACE();
@@ -210,13 +208,10 @@ HWY_AFTER_NAMESPACE();
 namespace octant::calib {
 
 HWY_EXPORT(eliminate_window);
-HWY_EXPORT(chain_target_name);
 
 void eliminate(const ChainWindow& window, double floor_of_last, double spare_floor) {
   HWY_DYNAMIC_DISPATCH(eliminate_window)(window, floor_of_last, spare_floor);
 }
-
-const char* chain_kernel_target() { return HWY_DYNAMIC_DISPATCH(chain_target_name)(); }
 
 }  // namespace octant::calib
 #endif

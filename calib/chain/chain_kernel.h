@@ -34,7 +34,4 @@ struct ChainWindow {
 /// is not positive definite, 100 times `spare_floor` is added
 void eliminate(const ChainWindow& window, double floor_of_last, double spare_floor);
 
-/// The instruction set in use.
-[[nodiscard]] const char* chain_kernel_target();
-
 }  // namespace octant::calib

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <type_traits>
 
 #include "calib/adjust/tile.h"
 #include "calib/chain/chain_kernel.h"
@@ -165,6 +166,17 @@ void reduce_open_segment(const ChainReduction& chain, const Segment& segment, co
   out.H = out.H.selfadjointView<Eigen::Lower>();
 }
 
+/// Calls work(block) with the size of a state's block known to the compiler.
+template <class Work>
+auto with_block(int size, Work&& work) {
+  switch (size) {
+    case 3: return work(std::integral_constant<int, 3>());
+    case 4: return work(std::integral_constant<int, 4>());
+    case 6: return work(std::integral_constant<int, 6>());
+    default: return work(std::integral_constant<int, 7>());
+  }
+}
+
 }  // namespace
 
 ChainReduction::ChainReduction(const Trajectory& trajectory, const ParameterLayout& layout,
@@ -190,22 +202,16 @@ ChainReduction::ChainReduction(const Trajectory& trajectory, const ParameterLayo
 
 double ChainReduction::reduce(const Segment& segment, const SharedState& state, const RobustLoss& loss,
                               const std::vector<int>& place, int threads, ReducedSystem& system) const {
-  switch (trajectory_->block_size()) {
-    case 3: return reduce_segment<3>(*this, segment, state, loss, place, threads, system);
-    case 4: return reduce_segment<4>(*this, segment, state, loss, place, threads, system);
-    case 6: return reduce_segment<6>(*this, segment, state, loss, place, threads, system);
-    default: return reduce_segment<7>(*this, segment, state, loss, place, threads, system);
-  }
+  return with_block(trajectory_->block_size(), [&]<int N>(std::integral_constant<int, N>) {
+    return reduce_segment<N>(*this, segment, state, loss, place, threads, system);
+  });
 }
 
 void ChainReduction::reduce_open(const Segment& segment, const SharedState& state, const RobustLoss& loss,
                                  const std::vector<int>& place, std::size_t columns, OpenChain& out) const {
-  switch (trajectory_->block_size()) {
-    case 3: return reduce_open_segment<3>(*this, segment, state, loss, place, columns, out);
-    case 4: return reduce_open_segment<4>(*this, segment, state, loss, place, columns, out);
-    case 6: return reduce_open_segment<6>(*this, segment, state, loss, place, columns, out);
-    default: return reduce_open_segment<7>(*this, segment, state, loss, place, columns, out);
-  }
+  with_block(trajectory_->block_size(), [&]<int N>(std::integral_constant<int, N>) {
+    reduce_open_segment<N>(*this, segment, state, loss, place, columns, out);
+  });
 }
 
 }  // namespace octant::calib

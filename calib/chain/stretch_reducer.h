@@ -57,7 +57,7 @@ class StretchReducer {
     stretch_ = &stretch;
     out_ = &out;
     out.cost = 0.0;
-    find_cursors();
+    begin_rows();
     find_columns();
     if (is_planar_) copy_states();
     StretchWindow<N> window(memory_.window, stretch, out);
@@ -84,22 +84,13 @@ class StretchReducer {
     return kept;
   }
 
-  template <class Observation>
-  [[nodiscard]] std::size_t first_at(const std::vector<Observation>& list, std::size_t first,
-                                     std::size_t last) const {
-    const std::size_t node = segment_.first_node + stretch_->begin();
-    const auto begin = list.begin() + static_cast<std::ptrdiff_t>(first),
-               end = list.begin() + static_cast<std::ptrdiff_t>(last);
-    return static_cast<std::size_t>(
-        std::partition_point(begin, end, [node](const Observation& o) { return o.node < node; }) -
-        list.begin());
-  }
-  void find_cursors() {
-    arrival_ = first_at(t_.arrivals, segment_.first_arrival, segment_.last_arrival);
-    bearing_ = first_at(t_.bearings, segment_.first_bearing, segment_.last_bearing);
-    pose_ = first_at(t_.poses, segment_.first_pose, segment_.last_pose);
-    odometry_ = first_at(t_.odometry, segment_.first_odometry, segment_.last_odometry);
-    motion_ = first_at(t_.motion_steps, segment_.first_motion, segment_.last_motion);
+  /// All observations of the stretch are yet to be added.
+  void begin_rows() {
+    rest_ = segment_;
+    for_each_list([&](auto list, auto first, auto last) {
+      rest_.*first =
+          first_of_node(t_.*list, segment_.first_node + stretch_->begin(), rest_.*first, rest_.*last);
+    });
   }
 
   /// The parameters that the stretch sees.
@@ -114,7 +105,7 @@ class StretchReducer {
       columns.push_back(column);
     };
     const std::size_t end = segment_.first_node + stretch_->last;
-    for (std::size_t i = arrival_; i < segment_.last_arrival && t_.arrivals[i].node < end; ++i) {
+    for (std::size_t i = rest_.first_arrival; i < rest_.last_arrival && t_.arrivals[i].node < end; ++i) {
       if (t_.arrivals[i].rejection != Rejection::kUsed) continue;
       const std::size_t at = chain_.path_of(t_.arrivals[i]);
       if (l.paths[at].count >= 0) continue;
@@ -122,7 +113,7 @@ class StretchReducer {
       l.met.push_back(at);
       for (const PathColumns::Column& e : chain_.paths()[at]) see(e.column);
     }
-    for (std::size_t i = bearing_; i < segment_.last_bearing && t_.bearings[i].node < end; ++i)
+    for (std::size_t i = rest_.first_bearing; i < rest_.last_bearing && t_.bearings[i].node < end; ++i)
       if (t_.bearings[i].rejection == Rejection::kUsed && t_.bearings[i].reflector.valid())
         for (const int c : chain_.layout().beacon[t_.bearings[i].reflector.index()]) see(c);
     std::ranges::sort(columns);
@@ -157,32 +148,40 @@ class StretchReducer {
     } else {
       add_rows_between(node);
     }
-    for (; bearing_ < segment_.last_bearing && t_.bearings[bearing_].node == node; ++bearing_)
-      if (t_.bearings[bearing_].rejection == Rejection::kUsed) add(bearing_rows(t_, bearing_, state_, rows_));
-    for (; pose_ < segment_.last_pose && t_.poses[pose_].node == node; ++pose_)
-      add(pose_rows(t_, pose_, rows_));
-    for (; motion_ < segment_.last_motion && t_.motion_steps[motion_].node == node; ++motion_)
-      add(motion_rows(t_, motion_, rows_));
+    for (; rest_.first_bearing < rest_.last_bearing && t_.bearings[rest_.first_bearing].node == node;
+         ++rest_.first_bearing)
+      if (t_.bearings[rest_.first_bearing].rejection == Rejection::kUsed)
+        add(bearing_rows(t_, rest_.first_bearing, state_, rows_));
+    for (; rest_.first_pose < rest_.last_pose && t_.poses[rest_.first_pose].node == node; ++rest_.first_pose)
+      add(pose_rows(t_, rest_.first_pose, rows_));
+    for (; rest_.first_motion < rest_.last_motion && t_.motion_steps[rest_.first_motion].node == node;
+         ++rest_.first_motion)
+      add(motion_rows(t_, rest_.first_motion, rows_));
   }
 
   /// Arrivals and odometry.
   void add_rows_between(std::size_t node) {
     InstantPose at;
-    for (; arrival_ < segment_.last_arrival && t_.arrivals[arrival_].node == node; ++arrival_)
-      if (t_.arrivals[arrival_].rejection == Rejection::kUsed)
-        add(arrival_rows(t_, arrival_, state_, at, rows_));
-    for (; odometry_ < segment_.last_odometry && t_.odometry[odometry_].node == node; ++odometry_)
-      add(odometry_rows(t_, odometry_, rows_));
+    for (; rest_.first_arrival < rest_.last_arrival && t_.arrivals[rest_.first_arrival].node == node;
+         ++rest_.first_arrival)
+      if (t_.arrivals[rest_.first_arrival].rejection == Rejection::kUsed)
+        add(arrival_rows(t_, rest_.first_arrival, state_, at, rows_));
+    for (; rest_.first_odometry < rest_.last_odometry && t_.odometry[rest_.first_odometry].node == node;
+         ++rest_.first_odometry)
+      add(odometry_rows(t_, rest_.first_odometry, rows_));
   }
 
   void add_planar_rows_of(std::size_t k) {
     const std::vector<PlanarNode>& states = memory_.states;
     const std::size_t node = segment_.first_node + k, i = k - stretch_->begin();
     const PlanarInterval interval(states[i], states[std::min(i + 1, states.size() - 1)]);
-    for (; arrival_ < segment_.last_arrival && t_.arrivals[arrival_].node == node; ++arrival_)
-      if (t_.arrivals[arrival_].rejection == Rejection::kUsed) add_planar(t_.arrivals[arrival_], interval);
-    for (; odometry_ < segment_.last_odometry && t_.odometry[odometry_].node == node; ++odometry_)
-      if constexpr (N == 3) add_step(PlanarStep(t_.odometry[odometry_], interval));
+    for (; rest_.first_arrival < rest_.last_arrival && t_.arrivals[rest_.first_arrival].node == node;
+         ++rest_.first_arrival)
+      if (t_.arrivals[rest_.first_arrival].rejection == Rejection::kUsed)
+        add_planar(t_.arrivals[rest_.first_arrival], interval);
+    for (; rest_.first_odometry < rest_.last_odometry && t_.odometry[rest_.first_odometry].node == node;
+         ++rest_.first_odometry)
+      if constexpr (N == 3) add_step(PlanarStep(t_.odometry[rest_.first_odometry], interval));
   }
 
   void add_planar(const ArrivalObservation& a, const PlanarInterval& interval) {
@@ -203,8 +202,9 @@ class StretchReducer {
     const bool has_next = k < stretch_->last - (stretch_->has_right ? 0 : 1);
     const SpatialInterval interval(t_.nodes[node].T_map_vehicle,
                                    t_.nodes[has_next ? node + 1 : node].T_map_vehicle);
-    for (; arrival_ < segment_.last_arrival && t_.arrivals[arrival_].node == node; ++arrival_) {
-      const ArrivalObservation& a = t_.arrivals[arrival_];
+    for (; rest_.first_arrival < rest_.last_arrival && t_.arrivals[rest_.first_arrival].node == node;
+         ++rest_.first_arrival) {
+      const ArrivalObservation& a = t_.arrivals[rest_.first_arrival];
       if (a.rejection != Rejection::kUsed) continue;
       whitening_.set(a);
       const SpatialInstant at(interval, a.alpha);
@@ -212,8 +212,9 @@ class StretchReducer {
       add_plain(a, row, row.direction, at.turned_back(interval, row.direction_first), row.by_node.data(),
                 row.by_next.data());
     }
-    for (; odometry_ < segment_.last_odometry && t_.odometry[odometry_].node == node; ++odometry_)
-      if constexpr (N == 6) add_step(SpatialStep(t_.odometry[odometry_], interval));
+    for (; rest_.first_odometry < rest_.last_odometry && t_.odometry[rest_.first_odometry].node == node;
+         ++rest_.first_odometry)
+      if constexpr (N == 6) add_step(SpatialStep(t_.odometry[rest_.first_odometry], interval));
   }
 
   /// A single straight path.
@@ -293,7 +294,7 @@ class StretchReducer {
   const Stretch* stretch_ = nullptr;
   ReducedStretch* out_ = nullptr;
   StretchWindow<N>* window_ = nullptr;
-  std::size_t arrival_ = 0, bearing_ = 0, pose_ = 0, odometry_ = 0, motion_ = 0;
+  Segment rest_;  ///< what of the segment is yet to be added
   ObservationRow rows_[6];
 };
 

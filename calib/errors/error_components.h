@@ -59,6 +59,10 @@ class ErrorComponents {
   [[nodiscard]] Eigen::MatrixXd squares_of_influence(Eigen::Index m, const ErrorDraws& draws) const;
 
  private:
+  /// Calls put(row, value) for each row of a component: its rows in one cell have one of next() together.
+  template <class Next, class Put>
+  void draw_cells(const ErrorComponent& c, std::size_t draw, Next&& next, Put&& put) const;
+
   std::array<CellSums, 2> sums_;  ///< of arrivals, of bearings
   std::vector<ErrorComponent> all_;
   Eigen::Index whites_ = 0;

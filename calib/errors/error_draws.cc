@@ -6,25 +6,22 @@
 #include <cmath>
 #include <numeric>
 
+#include <boost/math/distributions/normal.hpp>
+
 namespace octant::calib {
 namespace {
 
 constexpr std::size_t kQuantiles = 4096;
 
-/// Medians of equal parts of the normal distribution, by Newton's method, to unit variance.
+/// Medians of equal parts of the normal distribution, to unit variance.
 std::array<float, kQuantiles> normal_quantiles() {
   constexpr std::size_t kHalf = kQuantiles / 2;
   std::array<double, kHalf> upper{};
-  double z = 0.0, squares = 0.0;
+  double squares = 0.0;
   for (std::size_t i = 0; i < kHalf; ++i) {
     const double beyond = 0.5 - (static_cast<double>(i) + 0.5) / kQuantiles;
-    for (int step = 0; step < 20; ++step) {
-      const double off = 0.5 * std::erfc(z * M_SQRT1_2) - beyond;
-      z += off / (std::exp(-0.5 * z * z) * 0.5 * M_SQRT1_2 * M_2_SQRTPI);
-      if (std::abs(off) < 1e-12 * beyond) break;
-    }
-    upper[i] = z;
-    squares += z * z / kHalf;
+    upper[i] = boost::math::quantile(boost::math::complement(boost::math::normal(), beyond));
+    squares += upper[i] * upper[i] / kHalf;
   }
   std::array<float, kQuantiles> out{};
   for (std::size_t i = 0; i < kHalf; ++i) {
@@ -36,12 +33,13 @@ std::array<float, kQuantiles> normal_quantiles() {
 
 }  // namespace
 
-std::uint64_t DrawBits::bits() {
-  std::uint64_t z = (state_ += 0x9e3779b97f4a7c15ULL);
+std::uint64_t mixed_bits(std::uint64_t z) {
   z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9ULL;
   z = (z ^ (z >> 27U)) * 0x94d049bb133111ebULL;
   return z ^ (z >> 31U);
 }
+
+std::uint64_t DrawBits::bits() { return mixed_bits(state_ += 0x9e3779b97f4a7c15ULL); }
 
 void DrawBits::normal(DrawLine& line) {
   static const std::array<float, kQuantiles> kNormal = normal_quantiles();
@@ -53,12 +51,10 @@ void DrawBits::normal(DrawLine& line) {
 
 // ------------------------------------------------------------------------------------------------ the sums
 
-std::size_t CellSums::add(const std::vector<std::int32_t>& cell, std::int32_t count) {
-  Partition p;
+std::size_t CellSums::add(std::vector<std::int32_t> cell, std::int32_t count) {
+  Partition& p = partitions_.emplace_back();
+  p.cell = std::move(cell);
   p.count = count;
-  p.cell.reserve(rows_.size());
-  for (const std::uint32_t row : rows_) p.cell.push_back(cell[row]);
-  partitions_.push_back(std::move(p));
   return partitions_.size() - 1;
 }
 

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -13,6 +12,9 @@
 #include "calib/errors/error_sample.h"
 
 namespace octant::calib {
+
+/// Mixes the bits of a number (splitmix64).
+[[nodiscard]] std::uint64_t mixed_bits(std::uint64_t z);
 
 /// Bits that are the same everywhere, and what is made of them.
 class DrawBits {
@@ -32,8 +34,8 @@ class CellSums {
  public:
   /// @param rows  of the sample, in order
   explicit CellSums(std::vector<std::uint32_t> rows) : rows_(std::move(rows)) {}
-  /// @param cell  of each row of the sample  @return number of the partition
-  std::size_t add(const std::vector<std::int32_t>& cell, std::int32_t count);
+  /// @param cell  of each of these rows  @return number of the partition
+  std::size_t add(std::vector<std::int32_t> cell, std::int32_t count);
   /// After all were added.
   void arrange();
 

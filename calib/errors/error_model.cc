@@ -294,10 +294,10 @@ class Estimator {
 
 }  // namespace
 
-double ErrorModel::correlated_sigma() const {
+double ErrorModel::sigma_of(bool constant) const {
   double variance = 0.0;
   for (const ErrorPart& p : parts)
-    if (!p.bearings && p.axis != ErrorAxis::kConstant) variance += p.variance;
+    if (!p.bearings && (p.axis == ErrorAxis::kConstant) == constant) variance += p.variance;
   return std::sqrt(variance);
 }
 
@@ -312,13 +312,6 @@ double ErrorModel::correlation_time_s(double speed_mps, double typical_range_m) 
     weighted += p.variance * time_s;
   }
   return sum > 0 ? weighted / sum : 0.0;
-}
-
-double ErrorModel::pair_sigma() const {
-  double variance = 0.0;
-  for (const ErrorPart& p : parts)
-    if (!p.bearings && p.axis == ErrorAxis::kConstant) variance += p.variance;
-  return std::sqrt(variance);
 }
 
 ErrorModel error_model_of(const ErrorSample& sample, int threads) {

@@ -52,12 +52,15 @@ struct ErrorModel {
 
   /// Standard deviation of the part of a time of flight that keeps its value for a while, in units of the
   /// adjustment's noise.
-  [[nodiscard]] double correlated_sigma() const;
+  [[nodiscard]] double correlated_sigma() const { return sigma_of(false); }
   /// How long it does [s]; places, directions and ranges last as long as a vehicle of that speed stays in a
   /// cell.
   [[nodiscard]] double correlation_time_s(double speed_mps, double typical_range_m) const;
   /// Standard deviation of the part that a pair keeps for good, in units of the adjustment's noise.
-  [[nodiscard]] double pair_sigma() const;
+  [[nodiscard]] double pair_sigma() const { return sigma_of(true); }
+
+ private:
+  [[nodiscard]] double sigma_of(bool constant) const;
 };
 
 struct ErrorSample;

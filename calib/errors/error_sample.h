@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -54,15 +53,5 @@ struct ErrorSample {
 [[nodiscard]] ErrorSample error_sample(const ParameterLayout& layout,
                                        const std::vector<Trajectory>& trajectories, const SharedState& state,
                                        const Covariance& C, std::size_t most);
-
-/// Cells of one component: for each row a number from 0, -1 where it has no part in it. Several partitions,
-/// shifted against each other, together make a kernel that falls linearly with distance.
-struct ErrorCells {
-  ErrorPart part;
-  std::vector<std::vector<std::int32_t>> partitions;
-  std::vector<std::int32_t> counts;  ///< of each partition
-};
-/// The components that a sample can tell, from short to long extents.
-[[nodiscard]] std::vector<ErrorCells> error_cells(const ErrorSample& sample);
 
 }  // namespace octant::calib

@@ -211,18 +211,15 @@ class Collector {
     const auto solve_delays = [&] {
       const Eigen::MatrixXd moved = C_.columns(delays);
       for (std::size_t k = 0; k < delays.size(); ++k) {
-        const double p = prior_weight(delays[k]),
-                     per_s = 1.0 / layout_.parameters[static_cast<std::size_t>(delays[k])].si_per_unit;
+        const double p = prior_weight(delays[k]), per_s = 1.0 / layout_.parameter(delays[k]).si_per_unit;
         const auto by_delay = moved.col(static_cast<Eigen::Index>(k));
         const double share = std::clamp(p * by_delay[delays[k]], 0.0, 1.0);
         LatenessInformation& of_beacon = late[static_cast<std::size_t>(beacons[k])];
         of_beacon.remaining = per_s * per_s * p * (1.0 - share);
         of_beacon.total =
             share > 0 ? per_s * per_s * p / share : 0.0;  // data and prior together, all else eliminated
-        for (const auto& columns : layout_.beacon)
-          for (const int c : columns)
-            if (c >= 0)
-              of_beacon.shift_m_per_s = std::max(of_beacon.shift_m_per_s, per_s * p * std::abs(by_delay[c]));
+        for (const int c : layout_.beacon_columns())
+          of_beacon.shift_m_per_s = std::max(of_beacon.shift_m_per_s, per_s * p * std::abs(by_delay[c]));
       }
       delays.clear();
       beacons.clear();
@@ -238,7 +235,7 @@ class Collector {
     return late;
   }
   [[nodiscard]] double prior_weight(int column) const {
-    const double sigma = layout_.parameters[static_cast<std::size_t>(column)].prior_sigma;
+    const double sigma = layout_.parameter(column).prior_sigma;
     return std::isfinite(sigma) ? 1.0 / (sigma * sigma) : 0.0;
   }
 
@@ -315,8 +312,8 @@ class Collector {
 
   [[nodiscard]] std::vector<std::string> receiver_names() const {
     std::vector<std::string> names;
-    for (const SiteReceiver& r : problem_.site.receivers)
-      names.push_back(problem_.site.vehicles[r.vehicle.index()].name + "/" + r.name);
+    for (std::size_t r = 0; r < problem_.site.receivers.size(); ++r)
+      names.push_back(receiver_path(r, names_of(problem_.site)));
     return names;
   }
 

@@ -10,14 +10,6 @@
 namespace octant::calib {
 namespace {
 
-/// Index of the first observation of a node or of one behind it.
-template <class Observation>
-std::size_t first_of_node(const std::vector<Observation>& list, std::size_t node) {
-  return static_cast<std::size_t>(
-      std::partition_point(list.begin(), list.end(), [node](const Observation& o) { return o.node < node; }) -
-      list.begin());
-}
-
 std::vector<SweptRow> joined(const std::vector<std::vector<SweptRow>>& parts) {
   std::vector<SweptRow> all;
   for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
@@ -60,8 +52,8 @@ std::vector<SweptRow> sweep_spread_stretches(const LeverageSweep& of_all, const 
     Trajectory some =
         pick_segments(t, {stretch_of(t, whole, from, std::min(whole.last_node, last + margin))});
     LeverageSweep sweep = of_all;
-    const std::size_t first_arrival = first_of_node(t.arrivals, from),
-                      first_bearing = first_of_node(t.bearings, from);
+    const std::size_t first_arrival = first_of_node(t.arrivals, from, 0, t.arrivals.size()),
+                      first_bearing = first_of_node(t.bearings, from, 0, t.bearings.size());
     sweep.sweep(some, state, 0, 1, 1, [&](const RowLeverage& l) {
       if (const std::size_t node = l.row.node + from; node < first || node >= last) return;
       SweptRow row = swept_row(l);

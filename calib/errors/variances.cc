@@ -19,13 +19,14 @@ double Variances::covariance(const ParameterId& a, const ParameterId& b) const {
   return marginals_ != nullptr ? marginals_->matrix.coeff(i, j) : joint_->matrix(i, j);
 }
 
+Eigen::Vector3d Variances::beacon_sigma_m(std::size_t beacon) const {
+  return {sigma(parameters::beacon_position(beacon, 0)), sigma(parameters::beacon_position(beacon, 1)),
+          sigma(parameters::beacon_position(beacon, 2))};
+}
+
 std::optional<Eigen::Vector3d> white_sigma_m(const Solution& solution, std::size_t beacon) {
   if (solution.white_covariance.parameters.empty()) return std::nullopt;
-  const Variances white(solution.white_covariance);
-  Eigen::Vector3d sigma_m;
-  for (std::size_t i = 0; i < 3; ++i)
-    sigma_m[static_cast<Eigen::Index>(i)] = white.sigma(parameters::beacon_position(beacon, i));
-  return sigma_m;
+  return Variances(solution.white_covariance).beacon_sigma_m(beacon);
 }
 
 }  // namespace octant::calib

@@ -26,6 +26,8 @@ class Variances {
   [[nodiscard]] double sigma(const ParameterId& a) const {
     return std::sqrt(std::max(0.0, covariance(a, a)));
   }
+  /// Of the coordinates of a beacon.
+  [[nodiscard]] Eigen::Vector3d beacon_sigma_m(std::size_t beacon) const;
 
  private:
   const JointCovariance* joint_;

@@ -16,21 +16,20 @@ constexpr double kSignificance = 1e-6;
 constexpr double kPairMatters = 2.0;  ///< twice the variance of white noise
 constexpr double kCorrelationMatters = 0.2;
 
-}  // namespace
+/// Sums over the residuals of one pair of a trajectory, in the order of time.
+struct PairSeries {
+  double sum = 0.0, squares = 0.0, products = 0.0;  ///< products: of neighbours
+  double last = 0.0;
+  std::size_t count = 0;
+  void add(double residual) {
+    if (count++ > 0) products += last * residual;
+    sum += residual;
+    squares += residual * residual;
+    last = residual;
+  }
+};
 
-void PairSeries::add(double residual) { append({residual, residual * residual, 0.0, residual, residual, 1}); }
-
-void PairSeries::append(const PairSeries& later) {
-  if (later.count == 0) return;
-  if (count > 0) products += last * later.first;
-  if (count == 0) first = later.first;
-  sum += later.sum;
-  squares += later.squares;
-  products += later.products;
-  last = later.last;
-  count += later.count;
-}
-
+/// Series of the arrivals in use of each pair, beacon-major.
 std::vector<PairSeries> pair_series(const Trajectory& t, const SharedState& state, int threads) {
   const std::size_t receivers = state.receiver_p_vehicle_m.size();
   std::vector<PairSeries> series(state.beacon_p_map_m.size() * receivers);
@@ -48,18 +47,14 @@ std::vector<PairSeries> pair_series(const Trajectory& t, const SharedState& stat
   return series;
 }
 
-Whiteness whiteness_of(const std::vector<Trajectory>& trajectories, const SharedState& state, int threads) {
-  std::vector<std::vector<PairSeries>> series;
-  for (const Trajectory& t : trajectories) series.push_back(pair_series(t, state, threads));
-  return whiteness_of(series);
-}
+}  // namespace
 
-Whiteness whiteness_of(const std::vector<std::vector<PairSeries>>& trajectories) {
+Whiteness whiteness_of(const std::vector<Trajectory>& trajectories, const SharedState& state, int threads) {
   Whiteness w;
   double pair_sum = 0.0, squares = 0.0, products = 0.0;
   std::size_t count = 0;
-  for (const std::vector<PairSeries>& series : trajectories)
-    for (const PairSeries& s : series) {
+  for (const Trajectory& t : trajectories)
+    for (const PairSeries& s : pair_series(t, state, threads)) {
       if (s.count == 0) continue;
       squares += s.squares;
       products += s.products;

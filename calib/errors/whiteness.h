@@ -22,20 +22,6 @@ struct Whiteness {
   bool white = true;  ///< neither is significant (beyond one in a million) and of consequence
 };
 
-/// Sums over the residuals of one pair of a trajectory, in the order of time.
-struct PairSeries {
-  double sum = 0.0, squares = 0.0, products = 0.0;  ///< products: of neighbours
-  double first = 0.0, last = 0.0;
-  std::size_t count = 0;
-  void add(double residual);
-  void append(const PairSeries& later);
-};
-/// Series of the arrivals in use of each pair, beacon-major.
-[[nodiscard]] std::vector<PairSeries> pair_series(const Trajectory& trajectory, const SharedState& state,
-                                                  int threads = 1);
-/// @param trajectories  their series
-[[nodiscard]] Whiteness whiteness_of(const std::vector<std::vector<PairSeries>>& trajectories);
-
 [[nodiscard]] Whiteness whiteness_of(const std::vector<Trajectory>& trajectories, const SharedState& state,
                                      int threads = 1);
 

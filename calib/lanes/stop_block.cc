@@ -306,7 +306,7 @@ std::vector<StopBlock::ColumnTargets> StopBlock::targets_of(const PackGroup& gro
     if (at < 0) return;
     ColumnTargets& t = targets[column];
     t.column[t.count] = at;
-    t.factor[t.count++] = factor * layout_->parameters[static_cast<std::size_t>(parameter)].si_per_unit;
+    t.factor[t.count++] = factor * layout_->parameter(parameter).si_per_unit;
   };
   for (std::size_t i = 0; i < group.beacons.size(); ++i) {
     const auto b = static_cast<std::size_t>(group.beacons[i]);

@@ -8,8 +8,6 @@
 #include <memory>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "calib/lanes/stop_reduction.h"
 #include "calib/lanes/stop_solve.h"
 #include "calib/problem/parameters.h"

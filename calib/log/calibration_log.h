@@ -13,14 +13,6 @@
 
 namespace octant::calib {
 
-/// What all arrivals of a log say of an estimate, and the states that the verdict looks at.
-struct LogFindings {
-  Findings findings;
-  std::vector<Trajectory>
-      trajectories;  ///< solved, outliers rejected; all, or every so many-th stop or stretch
-  std::vector<std::string> warnings;
-};
-
 /// A log as its calibration (calibrator.h) sees it. It is held in memory (held_log.h), or too long for that
 /// and read again for each look at it (stream/streamed.cc). Errors of all: those of reading,
 /// Errc::kInterrupted where the course is to stop.
@@ -52,7 +44,7 @@ class CalibrationLog {
   virtual void scale_noise(Estimate& estimate, const NoiseFactors& factors) = 0;
 
   /// The end: nothing is asked of it any more.
-  [[nodiscard]] virtual Result<LogFindings> findings(const Estimate& estimate) = 0;
+  [[nodiscard]] virtual Result<Findings> findings(const Estimate& estimate) = 0;
 
  protected:
   CalibrationLog() = default;

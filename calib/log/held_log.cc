@@ -87,16 +87,14 @@ void HeldLog::scale_noise(Estimate& estimate, const NoiseFactors& factors) {
   statistics_.reset();
 }
 
-Result<LogFindings> HeldLog::findings(const Estimate& estimate) {
-  LogFindings all;
-  Findings& f = all.findings;
+Result<Findings> HeldLog::findings(const Estimate& estimate) {
+  Findings f;
   const SharedState state = estimate.state();
   f.statistics = statistics_ ? *statistics_ : statistics(estimate);
-  f.whiteness = whiteness_of(trajectories_, state, options_.threads);
   f.flips = report_flips(problem_, trajectories_, start_headings_rad_);
   f.left_out = left_out_of(problem_, trajectories_, state);
-  all.trajectories = std::move(trajectories_);
-  return all;
+  f.trajectories = std::move(trajectories_);
+  return f;
 }
 
 }  // namespace octant::calib

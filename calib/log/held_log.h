@@ -26,7 +26,7 @@ class HeldLog : public CalibrationLog {
   [[nodiscard]] Result<double> place(Approach& start, double sigma) override;
   [[nodiscard]] Result<DataSquares> adjust_inliers(Estimate& estimate) override;
   void scale_noise(Estimate& estimate, const NoiseFactors& factors) override;
-  [[nodiscard]] Result<LogFindings> findings(const Estimate& estimate) override;
+  [[nodiscard]] Result<Findings> findings(const Estimate& estimate) override;
 
  private:
   bool adjust_to_rest(Estimate& estimate);

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "calib/adjust/reject.h"
 #include "calib/problem/ranges.h"
 
 namespace octant::calib {
@@ -50,7 +51,6 @@ void weigh_odometry(Trajectory& t, double factor) {
 /// as it is.
 void weight_as_complete(std::vector<Trajectory>& trajectories, const LogCounts& complete,
                         const LogCounts& subsampled) {
-  const double pose = sigma_factor(complete.poses, subsampled.poses);
   const double drive = sigma_factor(complete.all_arrivals(), subsampled.all_arrivals());
   for (Trajectory& t : trajectories) {
     if (t.moving) weigh_odometry(t, drive);
@@ -64,22 +64,18 @@ void weight_as_complete(std::vector<Trajectory>& trajectories, const LogCounts& 
       if (b.reflector.valid())
         b.sigma_rad *=
             sigma_factor(complete.bearings[b.reflector.index()], subsampled.bearings[b.reflector.index()]);
-    for (PoseObservation& p : t.poses) {
-      p.position_sigma_m *= pose;
-      p.heading_sigma_rad *= pose;
-      p.attitude_sigma_rad *= pose;
-    }
   }
+  rescale_poses(trajectories, sigma_factor(complete.poses, subsampled.poses));
 }
 
 }  // namespace
 
-Result<LogFindings> SubsampledLog::findings(const Estimate& estimate) {
+Result<Findings> SubsampledLog::findings(const Estimate& estimate) {
   const LogCounts subsampled(problem());
   auto all = HeldLog::findings(estimate);
   if (!all || subsampled.all_arrivals() >= whole_.all_arrivals()) return all;
-  all->findings.as_complete = all->trajectories;
-  weight_as_complete(all->findings.as_complete, whole_, subsampled);
+  all->as_complete = all->trajectories;
+  weight_as_complete(all->as_complete, whole_, subsampled);
   return all;
 }
 

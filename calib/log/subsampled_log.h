@@ -29,7 +29,7 @@ class SubsampledLog : public HeldLog {
                 ProgressMonitor& monitor)
       : HeldLog(subsampled, options, monitor), whole_(whole) {}
 
-  [[nodiscard]] Result<LogFindings> findings(const Estimate& estimate) override;
+  [[nodiscard]] Result<Findings> findings(const Estimate& estimate) override;
 
  private:
   const LogCounts& whole_;

@@ -4,9 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-
-#include <fmt/format.h>
 
 #include "calib/calibrator.h"
 #include "calib/errors/variances.h"
@@ -37,9 +34,7 @@ BeaconForecast beacon_forecast(const Site& site, std::size_t b, const Solution& 
   f.status = s.beacon_status[b];
   if (!usable || (arrivals == 0 && f.status == BeaconStatus::kUndetermined)) return f;
   f.position_m = s.state.beacon_p_map_m[b];
-  Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
-  for (std::size_t i = 0; i < 3; ++i)
-    sigma[static_cast<Eigen::Index>(i)] = variances.sigma(parameters::beacon_position(b, i));
+  const Eigen::Vector3d sigma = variances.beacon_sigma_m(b);
   if (sigma.maxCoeff() < kUnobservableM) f.sigma_m = sigma;
   if (variances.has(parameters::beacon_delay(b)))
     f.delay_sigma_s = variances.sigma(parameters::beacon_delay(b));

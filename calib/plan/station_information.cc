@@ -8,13 +8,13 @@
 
 #include <fmt/format.h>
 
+#include "calib/adjust/covariance.h"
 #include "calib/adjust/information.h"
 #include "calib/adjust/priors.h"
 #include "calib/deployed_site.h"
 #include "calib/problem/ranges.h"
 #include "calib/problem/shared_entries.h"
 #include "calib/verdict/datum.h"
-#include "calib/verdict/observability.h"
 #include "models/support/unit_diagonal.h"
 #include "models/trajectory/decompositions.h"
 #include "models/trajectory/linearise.h"
@@ -41,20 +41,15 @@ tl::unexpected<Error> bad(const std::string& file, std::string found, std::strin
                .advice = std::move(advice)});
 }
 
-Result<void> check(const Site& site) {
+/// @param needs_places  there are no recordings from which they follow
+Result<void> check(const Site& site, bool needs_places) {
   if (site.receivers.empty() || site.vehicles.empty())
     return bad(site.path, "no vehicle has receivers",
                "vehicles with receivers, which hear the beacons at a stop");
   if (!site.tof_sigma_given || !(site.noise.tof_sigma_s > 0))
     return bad(site.path, "the site does not say how accurate an arrival is", "noise.tof_sigma_s above zero");
-  return {};
-}
-
-Result<void> check_places(const Site& site) {
-  const bool any = std::ranges::any_of(site.beacons, [](const SiteBeacon& b) {
-    return b.position_m[0] && b.position_m[1] && b.position_m[2];
-  });
-  if (!any)
+  if (needs_places &&
+      std::ranges::none_of(site.beacons, [](const SiteBeacon& b) { return b.place_m().has_value(); }))
     return bad(site.path, "no beacon has a position", "position_m of the beacons, approximate ones will do",
                "give approximate positions, or recordings from which they follow");
   return {};
@@ -63,9 +58,7 @@ Result<void> check_places(const Site& site) {
 double extent_of_placed_m(const Site& site, const std::vector<bool>& placed) {
   Eigen::AlignedBox3d box;
   for (std::size_t b = 0; b < site.beacons.size(); ++b)
-    if (placed[b])
-      box.extend(Eigen::Vector3d(*site.beacons[b].position_m[0], *site.beacons[b].position_m[1],
-                                 *site.beacons[b].position_m[2]));
+    if (placed[b]) box.extend(*site.beacons[b].place_m());
   return std::max(1.0, box.diagonal().norm());
 }
 
@@ -74,8 +67,7 @@ Eigen::MatrixXd with_vague_priors(const Problem& problem, const ParameterLayout&
                                   const SharedState& state, double vague_m) {
   Eigen::MatrixXd N = prior_information(problem, layout, layout.vector_of(state));
   for (int i = 0; i < layout.size(); ++i)
-    if (!std::isfinite(layout.parameters[static_cast<std::size_t>(i)].prior_sigma))
-      N(i, i) += 1.0 / (vague_m * vague_m);
+    if (!std::isfinite(layout.parameter(i).prior_sigma)) N(i, i) += 1.0 / (vague_m * vague_m);
   return N;
 }
 
@@ -122,15 +114,12 @@ Eigen::MatrixXd information_of(const JointCovariance& joint, const ParameterLayo
   const ParameterIndex column(joint.parameters);
   std::vector<int> from, to;
   for (int i = 0; i < layout.size(); ++i) {
-    const int at = column[layout.parameters[static_cast<std::size_t>(i)].id];
+    const int at = column[layout.parameter(i).id];
     if (at < 0) continue;
     from.push_back(at);
     to.push_back(i);
   }
-  Eigen::VectorXd units_per_si(from.size());
-  for (std::size_t i = 0; i < to.size(); ++i)
-    units_per_si[static_cast<Eigen::Index>(i)] =
-        1.0 / layout.parameters[static_cast<std::size_t>(to[i])].si_per_unit;
+  const Eigen::VectorXd units_per_si = layout.si_per_unit()(to).cwiseInverse();
   information(to, Eigen::all).setZero();
   information(Eigen::all, to).setZero();
   information(to, to) =
@@ -141,7 +130,7 @@ Eigen::MatrixXd information_of(const JointCovariance& joint, const ParameterLayo
 void fill_from_site(Knowledge& k, const SharedState& state) {
   const Site& site = k.problem.site;
   for (const SiteBeacon& b : site.beacons) {
-    const bool has_place = b.position_m[0] && b.position_m[1] && b.position_m[2];
+    const bool has_place = b.place_m().has_value();
     k.placed.push_back(has_place);
     if (!has_place)
       k.warnings.push_back(
@@ -237,8 +226,7 @@ Trajectory stop_trajectory(const Knowledge& k, const Pose& T_map_vehicle, const 
 }  // namespace
 
 Result<Knowledge> knowledge_of(const Site& site) {
-  if (auto sound = check(site); !sound) return fail(sound.error());
-  if (auto sound = check_places(site); !sound) return fail(sound.error());
+  if (auto sound = check(site, true); !sound) return fail(sound.error());
   Knowledge k;
   k.problem.site = site;
   fill_from_site(k, prior_state(site));
@@ -247,7 +235,7 @@ Result<Knowledge> knowledge_of(const Site& site) {
 }
 
 Result<Knowledge> knowledge_of(const Problem& problem, const Solution& solution, int threads) {
-  if (auto sound = check(problem.site); !sound) return fail(sound.error());
+  if (auto sound = check(problem.site, false); !sound) return fail(sound.error());
   if (solution.beacon_status.empty())
     return bad(problem.site.path,
                "the recordings do not determine where the vehicle was: " + solution.message,
@@ -270,7 +258,7 @@ Result<Knowledge> knowledge_of(const Problem& problem, const Solution& solution,
   k.layout = make_layout(problem, k.state, k.placed);
   std::vector<Trajectory> trajectories = solution.trajectories;
   const Information information =
-      information_at(problem, k.layout, trajectories, k.layout.vector_of(k.state), {}, {.threads = threads});
+      information_at(problem, k.layout, trajectories, k.layout.vector_of(k.state), {.threads = threads});
   k.information = information.data + information.prior;
   fill_place_sigmas(k);
   return k;
@@ -282,8 +270,7 @@ Result<Knowledge> knowledge_of(const Deployment& deployment) {
                "plan from the site file");
   Knowledge k;
   k.problem.site = site_with_priors(deployment);
-  if (auto sound = check(k.problem.site); !sound) return fail(sound.error());
-  if (auto sound = check_places(k.problem.site); !sound) return fail(sound.error());
+  if (auto sound = check(k.problem.site, true); !sound) return fail(sound.error());
   fill_from_site(k, shared_state(deployment));
   k.information = information_of(deployment.covariance, k.layout, std::move(k.information));
   fill_place_sigmas(k);

@@ -7,8 +7,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "calib/adjust/covariance.h"
 #include "calib/verdict/datum.h"
-#include "calib/verdict/observability.h"
 #include "models/simulator/random.h"
 #include "models/support/parallel.h"
 #include "models/trajectory/decompositions.h"
@@ -26,14 +26,6 @@ struct Stop {
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
   double heading_rad = 0.0;
 };
-
-std::vector<int> beacon_columns(const ParameterLayout& layout) {
-  std::vector<int> columns;
-  for (const auto& beacon : layout.beacon)
-    for (const int c : beacon)
-      if (c >= 0) columns.push_back(c);
-  return columns;
-}
 
 Eigen::MatrixXd covariance_of_stations(const Knowledge& k, const Eigen::MatrixXd& information) {
   return *Covariance(information, free_datum(k.problem, k.layout, k.state, information)).matrix();
@@ -72,7 +64,7 @@ BeaconKnowledge knowledge_from(const Knowledge& k, const Eigen::MatrixXd& C) {
 class Gain {
  public:
   Gain(const Knowledge& k, const Eigen::MatrixXd& information, StationCriterion criterion)
-      : C_(covariance_of_stations(k, information)), beacons_(beacon_columns(k.layout)) {
+      : C_(covariance_of_stations(k, information)), beacons_(k.layout.beacon_columns()) {
     if (criterion != StationCriterion::kD) return;
     // det(C_bb - W'W) = det(C_bb) det(I - W C_bb^-1 W'), within what C_bb varies in.
     const SymmetricEigen<Eigen::MatrixXd> eigen(C_(beacons_, beacons_).eval());

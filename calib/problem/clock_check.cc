@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "calib/adjust/reject.h"
@@ -153,12 +154,16 @@ std::vector<ClockOffset> offsets_of(const Trajectory& original, const SharedStat
   return offsets;
 }
 
+struct OffsetDifference {
+  double difference_s, sigma_s;
+};
+
 /// Difference of the medians after and before i, and its standard deviation from the scatter about them;
-/// false where there are too few stops or they do not keep to their sides.
-bool difference_at(const std::vector<ClockOffset>& o, std::size_t i, double usual_scatter_s,
-                   double& difference_s, double& sigma_s) {
+/// none where there are too few stops or they do not keep to their sides.
+std::optional<OffsetDifference> difference_at(const std::vector<ClockOffset>& o, std::size_t i,
+                                              double usual_scatter_s) {
   const std::size_t first = i > kSide ? i - kSide : 0, last = std::min(o.size(), i + kSide);
-  if (i - first < kAtLeastSide || last - i < kAtLeastSide) return false;
+  if (i - first < kAtLeastSide || last - i < kAtLeastSide) return {};
   std::vector<double> before, after, off;
   for (std::size_t k = first; k < i; ++k) before.push_back(o[k].offset_s);
   for (std::size_t k = i; k < last; ++k) after.push_back(o[k].offset_s);
@@ -168,17 +173,16 @@ bool difference_at(const std::vector<ClockOffset>& o, std::size_t i, double usua
   for (const double x : after) off.push_back(std::abs(x - high));
   for (std::size_t k = first; k < last; ++k)
     variance += o[k].sigma_s * o[k].sigma_s / static_cast<double>(last - first);
-  difference_s = high - low;
   // Nearly every stop is on the side of its own median.
   const double middle = 0.5 * (low + high);
   std::size_t on_side = 0;
   for (const double x : before) on_side += (x < middle) == (low < high);
   for (const double x : after) on_side += (x > middle) == (low < high);
-  if (static_cast<double>(on_side) < kOnTheirSide * static_cast<double>(off.size())) return false;
+  if (static_cast<double>(on_side) < kOnTheirSide * static_cast<double>(off.size())) return {};
   const double scatter = std::max({1.4826 * median(off), std::sqrt(variance), usual_scatter_s});
-  sigma_s = 1.25 * scatter *
-            std::sqrt(1.0 / static_cast<double>(before.size()) + 1.0 / static_cast<double>(after.size()));
-  return true;
+  return OffsetDifference{high - low, 1.25 * scatter *
+                                          std::sqrt(1.0 / static_cast<double>(before.size()) +
+                                                    1.0 / static_cast<double>(after.size()))};
 }
 
 /// Medians hardly feel on which side a stop or two stand, so the split found by them is flat; the one that
@@ -209,10 +213,9 @@ std::vector<std::pair<std::size_t, double>> steps_among(const std::vector<ClockO
   const double usual_s = 1.4826 * median(std::move(changes)) / std::sqrt(2.0);
   std::vector<std::pair<double, std::size_t>> candidates;  // significance, index
   for (std::size_t i = 1; i < o.size(); ++i) {
-    double difference = 0.0, sigma = 0.0;
-    if (!difference_at(o, i, usual_s, difference, sigma)) continue;
-    if (std::abs(difference) > kStepSigmas * sigma && std::abs(difference) > smallest_s)
-      candidates.emplace_back(std::abs(difference) / sigma, i);
+    const auto d = difference_at(o, i, usual_s);
+    if (d && std::abs(d->difference_s) > std::max(kStepSigmas * d->sigma_s, smallest_s))
+      candidates.emplace_back(std::abs(d->difference_s) / d->sigma_s, i);
   }
   std::sort(candidates.rbegin(), candidates.rend());
   std::vector<std::size_t> taken;
@@ -223,10 +226,9 @@ std::vector<std::pair<std::size_t, double>> steps_among(const std::vector<ClockO
       continue;
     taken.push_back(i);
     const std::size_t sharp = sharpened(o, i > kSide ? i - kSide : 0, std::min(o.size(), i + kSide), i);
-    double difference = 0.0, sigma = 0.0;
-    if (!difference_at(o, sharp, usual_s, difference, sigma))
-      (void)difference_at(o, i, usual_s, difference, sigma);
-    steps.emplace_back(sharp, difference);
+    auto d = difference_at(o, sharp, usual_s);
+    if (!d) d = difference_at(o, i, usual_s);
+    steps.emplace_back(sharp, d->difference_s);
   }
   return steps;
 }

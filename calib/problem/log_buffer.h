@@ -14,34 +14,49 @@ namespace octant::calib {
 template <class Value, class Record>
 concept BufferRecord = std::same_as<std::remove_cvref_t<Value>, Record>;
 
-/// Numbers one behind the other, as ranks exchange them. What a record holds is listed once, in a function
-/// that takes a writer or a reader and hands it all fields: buffer.exchange(record.a, record.b).
+/// Several numbers, as a matrix or an array has them.
+template <class Value>
+concept BufferNumbers = requires(Value& value) {
+  value.data();
+};
+
+/// What a record holds is listed once, in a function `exchange` that takes a writer or a reader and hands it
+/// all fields: buffer.exchange(record.a, record.b).
+template <class Buffer, class Record>
+void exchange_record(Buffer& buffer, Record& record) {
+  exchange(buffer, record);
+}
+
+/// Numbers one behind the other, as ranks exchange them.
 class BufferWriter {
  public:
   explicit BufferWriter(std::vector<double>& numbers) : numbers_(numbers) {}
-  void put(double number) { numbers_.push_back(number); }
-  void put_count(std::size_t count) { numbers_.push_back(static_cast<double>(count)); }
-  /// Any integer; a double holds only those of 53 bits.
-  void put_integer(std::int64_t integer) {
-    const auto bits = static_cast<std::uint64_t>(integer);
-    put(static_cast<double>(bits >> 32U));
-    put(static_cast<double>(bits & 0xFFFFFFFFU));
-  }
-  /// Numbers, counts, enumerators, and all coefficients of matrices.
+
+  /// Numbers, counts, enumerators, all coefficients of matrices, lists of any length, records.
   template <class... Values>
   void exchange(const Values&... values) {
-    (put_value(values), ...);
+    (put(values), ...);
   }
 
  private:
   template <class Value>
-  void put_value(const Value& value) {
-    if constexpr (std::is_same_v<Value, std::int64_t>)
-      put_integer(value);
-    else if constexpr (std::is_arithmetic_v<Value> || std::is_enum_v<Value>)
-      put(static_cast<double>(value));
-    else
+  void put(const Value& value) {
+    if constexpr (std::is_same_v<Value, std::int64_t>) {  // a double holds only integers of 53 bits
+      const auto bits = static_cast<std::uint64_t>(value);
+      numbers_.push_back(static_cast<double>(bits >> 32U));
+      numbers_.push_back(static_cast<double>(bits & 0xFFFFFFFFU));
+    } else if constexpr (std::is_arithmetic_v<Value> || std::is_enum_v<Value>) {
+      numbers_.push_back(static_cast<double>(value));
+    } else if constexpr (BufferNumbers<const Value>) {
       numbers_.insert(numbers_.end(), value.data(), value.data() + value.size());
+    } else {
+      exchange_record(*this, value);
+    }
+  }
+  template <class Item>
+  void put(const std::vector<Item>& list) {
+    put(list.size());
+    for (const Item& item : list) put(item);
   }
 
   std::vector<double>& numbers_;
@@ -51,29 +66,34 @@ class BufferReader {
  public:
   explicit BufferReader(const std::vector<double>& numbers) : numbers_(numbers) {}
   [[nodiscard]] bool ended() const { return at_ >= numbers_.size(); }
-  double get() { return numbers_.at(at_++); }
-  std::size_t count() { return static_cast<std::size_t>(get()); }
-  std::int64_t integer() {
-    const auto high = static_cast<std::uint64_t>(get());
-    return static_cast<std::int64_t>((high << 32U) | static_cast<std::uint64_t>(get()));
-  }
+
   /// What a writer exchanged. @param values  matrices of the size that they had there
   template <class... Values>
   void exchange(Values&... values) {
-    (get_value(values), ...);
+    (get(values), ...);
   }
 
  private:
+  [[nodiscard]] double next() { return numbers_.at(at_++); }
   template <class Value>
-  void get_value(Value& value) {
-    if constexpr (std::is_same_v<Value, std::int64_t>)
-      value = integer();
-    else if constexpr (std::is_enum_v<Value>)
-      value = static_cast<Value>(count());
-    else if constexpr (std::is_arithmetic_v<Value>)
-      value = static_cast<Value>(get());
-    else
-      for (double* number = value.data(); number != value.data() + value.size(); ++number) *number = get();
+  void get(Value& value) {
+    if constexpr (std::is_same_v<Value, std::int64_t>) {
+      const auto high = static_cast<std::uint64_t>(next());
+      value = static_cast<std::int64_t>((high << 32U) | static_cast<std::uint64_t>(next()));
+    } else if constexpr (std::is_enum_v<Value>) {
+      value = static_cast<Value>(static_cast<std::size_t>(next()));
+    } else if constexpr (std::is_arithmetic_v<Value>) {
+      value = static_cast<Value>(next());
+    } else if constexpr (BufferNumbers<Value>) {
+      for (auto* number = value.data(); number != value.data() + value.size(); ++number) get(*number);
+    } else {
+      exchange_record(*this, value);
+    }
+  }
+  template <class Item>
+  void get(std::vector<Item>& list) {
+    std::size_t count = 0;
+    for (get(count); count > 0; --count) get(list.emplace_back());
   }
 
   const std::vector<double>& numbers_;

@@ -83,10 +83,8 @@ class Examiner {
     for (std::size_t b = 0; b < by_beacon.size(); ++b)
       h_.beacons.push_back(link(site_.beacons[b].name, std::move(by_beacon[b])));
     for (std::size_t r = 0; r < by_receiver.size(); ++r) {
-      const SiteReceiver& receiver = site_.receivers[r];
-      if (!appears[receiver.vehicle.index()]) continue;
-      h_.receivers.push_back(link(site_.vehicles[receiver.vehicle.index()].name + "/" + receiver.name,
-                                  std::move(by_receiver[r])));
+      if (appears[site_.receivers[r].vehicle.index()])
+        h_.receivers.push_back(link(receiver_path(r, names_of(site_)), std::move(by_receiver[r])));
     }
   }
 

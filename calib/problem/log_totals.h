@@ -21,6 +21,9 @@ inline constexpr std::size_t kRejections = static_cast<std::size_t>(Rejection::k
 struct RejectionCounts : std::array<std::size_t, kRejections> {
   RejectionCounts() : array{} {}
   void add(Rejection what, std::size_t arrivals = 1) { (*this)[static_cast<std::size_t>(what)] += arrivals; }
+  void add(const RejectionCounts& other) {
+    for (std::size_t i = 0; i < size(); ++i) (*this)[i] += other[i];
+  }
   [[nodiscard]] std::size_t of(Rejection what) const { return (*this)[static_cast<std::size_t>(what)]; }
   [[nodiscard]] std::size_t outliers() const { return of(Rejection::kLate) + of(Rejection::kEarly); }
   [[nodiscard]] std::size_t all() const { return std::accumulate(begin(), end(), std::size_t{0}); }

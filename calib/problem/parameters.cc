@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <Eigen/Cholesky>
 
@@ -28,7 +29,7 @@ void shape_arrays(const ParameterLayout& layout, const Eigen::VectorXd& x, Share
     if (!layout.has_array(VehicleId(v))) continue;
     const Eigen::Vector2d now = corner_of(layout, state, v);
     const auto value = [&](int column, double held) {
-      return column < 0 ? held : x[column] * layout.parameters[static_cast<std::size_t>(column)].si_per_unit;
+      return column < 0 ? held : x[column] * layout.parameter(column).si_per_unit;
     };
     const Eigen::Matrix2d shape =
         value(layout.column_of(parameters::array_radius(v)), now[0]) / now[0] *
@@ -68,7 +69,6 @@ ParameterLayout make_layout(const Problem& problem, const SharedState& state,
   ParameterLayout layout;
   layout.fixed = state;
   layout.nominal_speed_mps = speed_mps(site.medium);
-  if (site.attenuation) layout.nominal_amplitude_v = site.attenuation->amplitude_1m_v.value;
   layout.beacon.assign(site.beacons.size(), {-1, -1, -1});
   layout.receiver.assign(site.receivers.size(), {-1, -1, -1});
   layout.vehicles_ = site.vehicles.size();
@@ -81,12 +81,30 @@ ParameterLayout make_layout(const Problem& problem, const SharedState& state,
   return layout;
 }
 
+Eigen::VectorXd ParameterLayout::si_per_unit() const {
+  Eigen::VectorXd si(size());
+  for (int i = 0; i < size(); ++i) si[i] = parameter(i).si_per_unit;
+  return si;
+}
+
+std::vector<int> ParameterLayout::beacon_columns() const {
+  std::vector<int> columns;
+  for (const std::array<int, 3>& place : beacon)
+    std::ranges::copy_if(place, std::back_inserter(columns), [](int c) { return c >= 0; });
+  return columns;
+}
+
+void ParameterLayout::set_place(std::size_t b, const Eigen::Vector3d& p_map_m, Eigen::VectorXd& x) const {
+  for (std::size_t i = 0; i < 3; ++i)
+    if (const int c = beacon[b][i]; c >= 0) x[c] = p_map_m[static_cast<Eigen::Index>(i)];
+}
+
 SharedState ParameterLayout::state_of(const Eigen::VectorXd& x) const {
   SharedState state = fixed;
   if (state.speed_offset_mps.size() < speed.size())
     state.speed_offset_mps.resize(speed.size(), state.speed_offset_mps[0]);
   for (int i = 0; i < size(); ++i) {
-    const Parameter& p = parameters[static_cast<std::size_t>(i)];
+    const Parameter& p = parameter(i);
     if (double* value = value_in(state, p.id)) *value = x[i] * p.si_per_unit;
   }
   shape_arrays(*this, x, state);
@@ -99,7 +117,7 @@ Eigen::VectorXd ParameterLayout::vector_of(const SharedState& state) const {
     copy.speed_offset_mps.resize(speed.size(), copy.speed_offset_mps[0]);
   Eigen::VectorXd x(size());
   for (int i = 0; i < size(); ++i) {
-    const Parameter& p = parameters[static_cast<std::size_t>(i)];
+    const Parameter& p = parameter(i);
     if (const double* value = value_in(copy, p.id)) x[i] = *value / p.si_per_unit;
   }
   for (std::size_t v = 0; v < vehicles_; ++v) {
@@ -107,7 +125,7 @@ Eigen::VectorXd ParameterLayout::vector_of(const SharedState& state) const {
     const Eigen::Vector2d now = corner_of(*this, state, v);
     if (const int radius = column_of(parameters::array_radius(v)); radius >= 0) x[radius] = now[0];
     if (const int turn = column_of(parameters::array_turn(v)); turn >= 0) {
-      const Parameter& p = parameters[static_cast<std::size_t>(turn)];
+      const Parameter& p = parameter(turn);
       x[turn] = p.prior_mean + wrap_angle(now[1] - p.prior_mean * p.si_per_unit) / p.si_per_unit;
     }
   }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -53,13 +54,27 @@ struct ParameterLayout {
   std::vector<std::array<int, 3>> beacon, receiver;  ///< columns of their positions
   std::vector<int> speed;  ///< of the offsets: none, one for all, or one for each run
   std::vector<VehicleId> vehicle_of_receiver;
-  double nominal_speed_mps = 343.0;  ///< turns delays into metres
-  double nominal_amplitude_v = 1.0;
+  double nominal_speed_mps = 343.0;       ///< turns delays into metres
   int dense_limit = kDenseLimit;          ///< up to so many parameters all matrices are dense
   SharedState fixed;                      ///< values of what is held fixed
   std::optional<JointPrior> joint_prior;  ///< beside those that parameters have each for itself
 
   [[nodiscard]] int size() const { return static_cast<int>(parameters.size()); }
+  [[nodiscard]] const Parameter& parameter(Eigen::Index column) const {
+    return parameters[static_cast<std::size_t>(column)];
+  }
+  [[nodiscard]] Parameter& parameter(Eigen::Index column) {
+    return parameters[static_cast<std::size_t>(column)];
+  }
+  [[nodiscard]] Eigen::VectorXd si_per_unit() const;  ///< of all parameters
+  /// Columns of all free coordinates of beacons.
+  [[nodiscard]] std::vector<int> beacon_columns() const;
+  /// Columns of a beacon's place and delay; -1: held fixed.
+  [[nodiscard]] std::array<int, 4> columns_of_beacon(std::size_t b) const {
+    return {beacon[b][0], beacon[b][1], beacon[b][2], column_of(parameters::beacon_delay(b))};
+  }
+  /// Puts a beacon somewhere, as far as its coordinates are free.
+  void set_place(std::size_t beacon, const Eigen::Vector3d& p_map_m, Eigen::VectorXd& x) const;
   /// -1: held fixed. Where the speed has one offset, it is that of every run; of several, the first stands
   /// for all runs together.
   [[nodiscard]] int column_of(const ParameterId& id) const {

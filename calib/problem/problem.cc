@@ -17,16 +17,13 @@
 namespace octant::calib {
 namespace {
 
-/// Largest distance that the site file speaks of: between beacons with positions, taped, or between measured
-/// poses and beacons; 0 where it speaks of none.
+/// Largest distance that the site file speaks of, sigmas of its places too; 0 where it speaks of none.
 double site_extent_m(const Site& site, const MeasurementLog& run) {
-  const Eigen::AlignedBox3d box = box_of_places(site, run.poses);
-  double extent = box.isEmpty() ? 0.0 : box.diagonal().norm();
-  if (!(extent > 0) && site.distances.empty()) return 0.0;  // one point is no site
+  double extent = stated_extent_m(site, run.poses);
+  if (!(extent > 0)) return 0.0;  // one point is no site
   for (const SiteBeacon& beacon : site.beacons)
     for (std::size_t i = 0; i < 3; ++i)
       if (beacon.position_m[i] && beacon.sigma_m[i]) extent = std::max(extent, *beacon.sigma_m[i]);
-  for (const ControlDistance& d : site.distances) extent = std::max(extent, d.distance_m);
   return extent;
 }
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <cstdlib>
 
 #include "calib/problem/parameters.h"
@@ -38,8 +37,7 @@ struct PathColumns {
     const int column = layout.column_of(id);
     if (column < 0) return;
     if (path.count == PathColumns::kCapacity) std::abort();  // a number that is not in the sum above
-    path.entry[path.count++] = {column, what,
-                                layout.parameters[static_cast<std::size_t>(column)].si_per_unit};
+    path.entry[path.count++] = {column, what, layout.parameter(column).si_per_unit};
   });
   return path;
 }

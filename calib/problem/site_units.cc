@@ -68,6 +68,13 @@ Eigen::AlignedBox3d box_of_places(const Site& site, const std::vector<TimedPose>
   return box;
 }
 
+double stated_extent_m(const Site& site, const std::vector<TimedPose>& poses) {
+  const Eigen::AlignedBox3d box = box_of_places(site, poses);
+  double extent = box.isEmpty() ? 0.0 : box.diagonal().norm();
+  for (const ControlDistance& d : site.distances) extent = std::max(extent, d.distance_m);
+  return extent;
+}
+
 const std::vector<LengthUnit>& length_units() {
   static const std::vector<LengthUnit> units = {
       {"centimetres", 0.01}, {"millimetres", 0.001}, {"feet", 0.3048}, {"inches", 0.0254}};

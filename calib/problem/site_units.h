@@ -3,7 +3,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -18,6 +17,8 @@ namespace octant::calib {
 /// Box round all places that a site and a recording's poses state; empty where they state none.
 [[nodiscard]] Eigen::AlignedBox3d box_of_places(const Site& site, const std::vector<TimedPose>& poses = {});
 
+/// Largest distance that they speak of: across that box, or taped; 0 where they speak of none.
+[[nodiscard]] double stated_extent_m(const Site& site, const std::vector<TimedPose>& poses);
 /// A unit of length that people write where metres are expected.
 struct LengthUnit {
   const char* name;   ///< "centimetres"

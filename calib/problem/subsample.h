@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "models/ids.h"
 #include "models/run.h"
 #include "models/site.h"
 

@@ -277,10 +277,8 @@ class Solver {
     if (is_flat() && options_.above && !ranges_.empty() && out.p_map_m.z() < spread_.mean.z())
       out.p_map_m.z() = 2 * spread_.mean.z() - out.p_map_m.z();
     for_each_image(out.p_map_m, best, 10.0, [&](const Eigen::Vector3d& image, double cost) {
-      out.has_mirror = true;
-      out.mirror_map_m = image;
       if (cost >= best) return;
-      std::swap(out.p_map_m, out.mirror_map_m);
+      out.p_map_m = image;
       best = cost;
     });
     out.cost = best;

@@ -35,9 +35,6 @@ struct Trilateration {
   Eigen::Vector3d p_map_m = Eigen::Vector3d::Zero();
   int agreeing = 0;   ///< ranges and rays within three scales
   double cost = 0.0;  ///< robust, in squared scales
-  /// A second place, off by more than its uncertainty, that explains the ranges (and rays) nearly as well.
-  bool has_mirror = false;
-  Eigen::Vector3d mirror_map_m = Eigen::Vector3d::Zero();
 };
 
 /// Place of a beacon from ranges to known places, none of the ranges trusted: linear solutions of random

@@ -21,15 +21,6 @@ constexpr double kFastestMps = 5.0;
 constexpr std::size_t kPairsNeeded = 50, kNeighbours = 6;
 constexpr double kTogetherS = 0.25;
 
-/// Diagonal of the box round all that the site and the measured poses place, or the longest taped distance
-/// [m].
-double extent_m(const Site& site, const MeasurementLog& run) {
-  const Eigen::AlignedBox3d box = box_of_places(site, run.poses);
-  double extent = box.isEmpty() ? 0.0 : box.diagonal().norm();
-  for (const ControlDistance& d : site.distances) extent = std::max(extent, d.distance_m);
-  return extent;
-}
-
 /// By which an arrival is later than its way alone: the prior mean of the delay, which stands once, whoever
 /// has it (prior_state), and the turnaround.
 double stated_lateness_s(const Site& site, const Arrival& a) {
@@ -79,7 +70,7 @@ std::optional<Eigen::Vector3d> known_place(const SiteBeacon& b, double extent, d
     if (!b.position_m[i] || !b.sigma_m[i] || *b.sigma_m[i] > 0.1 * extent) return {};
     sigma_m = std::max(sigma_m, *b.sigma_m[i]);
   }
-  return Eigen::Vector3d(*b.position_m[0], *b.position_m[1], *b.position_m[2]);
+  return b.place_m();
 }
 
 /// Two ranges from one place: they differ by no more than the beacons' distance and add up to no less.
@@ -155,7 +146,7 @@ double stated_range_m(const Site& site, const MeasurementLog& run, const Arrival
 
 std::vector<Finding> check_units(const Site& site, const MeasurementLog& run) {
   std::vector<Finding> findings;
-  const double extent = extent_m(site, run);
+  const double extent = stated_extent_m(site, run.poses);
   if (run.arrivals.empty() || !(extent > 0)) return findings;
   if (auto f = wrong_unit(site, run, extent)) {
     findings.push_back(*f);

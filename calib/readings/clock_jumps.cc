@@ -4,7 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "calib/adjust/reject.h"
 #include "calib/problem/clock_check.h"
@@ -12,6 +16,7 @@
 #include "calib/problem/subsample.h"
 #include "calib/start/approach.h"
 #include "calib/start/start.h"
+#include "calib/statements/common_errors.h"
 
 namespace octant::calib {
 namespace {
@@ -160,6 +165,29 @@ void without_jumps(const std::vector<ClockStep>& jumps, MeasurementLog& run) {
   for (Arrival& a : run.arrivals)
     for (const ClockStep& jump : jumps)
       if (a.time_s >= jump.time_s) a.tof_s -= jump.step_s;
+}
+
+std::vector<Reading> jumped_clocks(const Site& site, const std::vector<MeasurementLog>& runs,
+                                   const SolveOptions& options) {
+  std::vector<Reading> readings;
+  for (const LogHalf half : {LogHalf::kFirst, LogHalf::kLast}) {
+    std::vector<std::vector<ClockStep>> jumps;
+    std::vector<std::string> names, words;
+    for (const MeasurementLog& run : runs) {
+      jumps.push_back(clock_jumps(site, run, half, options));
+      if (jumps.back().empty()) continue;
+      names.push_back(run.path);
+      for (const ClockStep& jump : jumps.back()) words.push_back(jump_in_words(jump.time_s, jump.step_s));
+    }
+    if (names.empty()) continue;
+    Contradiction what = contradiction_of({.kind = CommonError::Kind::kJump}, site, runs);
+    what.subject = fmt::format("{}", fmt::join(names, ", "));
+    what.found = fmt::format("that it jumped: {}", fmt::join(words, ", "));
+    readings.push_back({std::move(what), {}, [jumps](std::size_t run, MeasurementLog& log) {
+                          without_jumps(jumps[run], log);
+                        }});
+  }
+  return readings;
 }
 
 }  // namespace octant::calib

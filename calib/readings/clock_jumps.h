@@ -6,6 +6,7 @@
 
 #include "calib/calibrate.h"
 #include "calib/problem/log_health.h"
+#include "calib/readings/reading.h"
 
 namespace octant::calib {
 
@@ -22,5 +23,9 @@ enum class LogHalf { kFirst, kLast };
 
 /// Takes the jumps away: times of flight after each as the clock before it would have had them.
 void without_jumps(const std::vector<ClockStep>& jumps, MeasurementLog& run);
+/// A clock that jumped between two stops, taken back, as either half of the recordings shows it; none where
+/// none is seen.
+[[nodiscard]] std::vector<Reading> jumped_clocks(const Site& site, const std::vector<MeasurementLog>& runs,
+                                                 const SolveOptions& options);
 
 }  // namespace octant::calib

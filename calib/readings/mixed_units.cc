@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <map>
 
 #include "calib/problem/ranges.h"
@@ -61,9 +60,9 @@ class Shares {
   Shares(const Site& site, const std::vector<MeasurementLog>& runs, const LengthUnit& unit)
       : places_(site.beacons.size()), placed_(site.beacons.size(), false), unit_(unit) {
     for (std::size_t b = 0; b < placed_.size(); ++b) {
-      const auto& p = site.beacons[b].position_m;
-      placed_[b] = p[0] && p[1] && p[2];
-      if (placed_[b]) places_[b] = {*p[0], *p[1], *p[2]};
+      const auto place = site.beacons[b].place_m();
+      placed_[b] = place.has_value();
+      places_[b] = place.value_or(Eigen::Vector3d::Zero());
     }
     std::map<std::pair<std::size_t, std::size_t>, Ranges> of;
     for (const MeasurementLog& run : runs) add_pairs(site, run, of);

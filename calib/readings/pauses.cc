@@ -3,9 +3,13 @@
 #include "calib/readings/pauses.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
+#include <string>
+#include <utility>
 #include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace octant::calib {
 namespace {
@@ -58,6 +62,32 @@ std::size_t number_stops(MeasurementLog& run) {
   for (Bearing& b : run.bearings) b.epoch = kNoEpoch;
   run.has_epochs = true;
   return stops;
+}
+
+std::vector<Reading> numbered_stops(const std::vector<MeasurementLog>& runs) {
+  std::vector<std::string> names;
+  std::size_t stops = 0;
+  bool numbered = false;
+  for (MeasurementLog run : runs) {
+    const bool had_epochs = run.has_epochs;
+    const std::size_t found = number_stops(run);
+    if (found == 0) continue;
+    stops += found;
+    numbered = numbered || had_epochs;
+    names.push_back(run.path + "/tof.csv");
+  }
+  if (stops == 0) return {};
+  return {Reading{
+      {ContradictionKind::kEpochs, fmt::format("{}", fmt::join(names, ", ")),
+       numbered ? "one epoch for all" : "no column epoch",
+       fmt::format("that the times of its arrivals come in {} groups with pauses between, and in each of "
+                   "them fit a vehicle that stands still",
+                   stops),
+       0.0,
+       "add a column epoch that numbers the stops: rows with the same epoch share one pose of the vehicle"},
+      {},
+      [](std::size_t, MeasurementLog& run) { static_cast<void>(number_stops(run)); },
+      true}};
 }
 
 }  // namespace octant::calib

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
+#include "calib/readings/reading.h"
 #include "models/run.h"
 
 namespace octant::calib {
@@ -14,5 +16,7 @@ namespace octant::calib {
 /// @return  number of stops, now numbered; 0: the recording has other motion, or no such pauses, and is left
 /// as it was
 std::size_t number_stops(MeasurementLog& run);
+/// Stops that no epoch column tells apart, or all under one number, numbered so; none where there are none.
+[[nodiscard]] std::vector<Reading> numbered_stops(const std::vector<MeasurementLog>& runs);
 
 }  // namespace octant::calib

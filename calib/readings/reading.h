@@ -4,10 +4,11 @@
 
 #include <cstddef>
 #include <functional>
-#include <vector>
+#include <string>
 
-#include "calib/calibrate.h"
 #include "models/contradiction.h"
+#include "models/run.h"
+#include "models/site.h"
 
 namespace octant::calib {
 
@@ -16,54 +17,27 @@ struct Reading {
   Contradiction what;                                         ///< if it is what is meant; without `sigmas`
   std::function<Site(const Site&)> site;                      ///< empty: as stated
   std::function<void(std::size_t run, MeasurementLog&)> log;  ///< of each run; empty: as recorded
-  bool is_of_whole =
-      false;  ///< `log` is of the whole recording, before a part is taken and rows are summed up
+  /// `log` is of the whole recording, before a part is taken and rows are summed up.
+  bool is_of_whole = false;
 };
 
-/// Times there and back for one-way times, or the other way round; none where each epoch has a clock of its
-/// own.
-[[nodiscard]] std::vector<Reading> other_ranging(const Site& site);
+/// Readings that differ by one number: by how much a clock is late, or a way too long.
+struct ReadingFamily {
+  std::function<Reading(double size)> reading;
+  double least = 0.0, most = 0.0;           ///< sizes that are looked at, of either sign
+  std::function<bool(double)> may_be = {};  ///< whether a size explains anything; empty: all do
+};
 
-/// Positions of beacons, receivers or both in centimetres, millimetres, feet, inches.
-/// @param some_only  only those beacons that are of another order of magnitude than the rest, or that the
-/// ranges tell apart from it (mixed_units.h)
-[[nodiscard]] std::vector<Reading> other_units(const Site& site, const std::vector<MeasurementLog>& runs,
-                                               bool some_only);
+/// Rows of a file whose clock is late or early against the arrivals', by up to some two seconds.
+/// @param subject, are_stamped  "in poses.tum", "they are stamped"
+/// @param take_back  makes a run's times earlier by a lag
+[[nodiscard]] ReadingFamily of_other_clock(ContradictionKind kind, const std::string& subject,
+                                           const std::string& file, const std::string& are_stamped,
+                                           void (*take_back)(double lag_s, MeasurementLog& run));
 
-/// Two of a few control points at each other's places. Of three that are all the datum each can be blamed by
-/// itself, as it may move to where it agrees with the two others; an exchange explains the same with nothing
-/// to adjust. None where there are more than a few.
-[[nodiscard]] std::vector<Reading> exchanged_points(const Site& site);
-
-/// Measured poses in a mirrored frame; none where there are no poses.
-[[nodiscard]] std::vector<Reading> other_pose_frames(const std::vector<MeasurementLog>& runs);
-
-/// Measured poses of a moving vehicle whose clock is behind the arrivals' (`lag_s` > 0) or ahead of it.
-[[nodiscard]] Reading poses_of_other_clock(const std::vector<MeasurementLog>& runs, double lag_s);
-
-/// Measured poses of another point of the vehicle (the prism, the antenna) than its origin.
-/// @param lever_m  that point in the vehicle's frame
-[[nodiscard]] Reading poses_of_other_point(const std::vector<MeasurementLog>& runs,
-                                           const Eigen::Vector3d& lever_m);
-
-/// Measured poses in a frame that is turned or shifted against the control points'.
-/// @param T_map_frame  of that frame in the map
-[[nodiscard]] Reading poses_of_other_frame(const std::vector<MeasurementLog>& runs, const Pose& T_map_frame);
-
-/// Odometry with the turns or the way of another sign, in degrees, centimetres or millimetres; none where
-/// there is none, or it is in space.
-[[nodiscard]] std::vector<Reading> other_odometry(const std::vector<MeasurementLog>& runs);
-
-/// Without the measured poses of stops, which then fit in no way that is known; none where there are no
-/// poses, or of a drive, whose ways hang on them.
-[[nodiscard]] std::vector<Reading> without_poses(const std::vector<MeasurementLog>& runs);
-
-/// Receivers exchanged, mirrored, turned.
-[[nodiscard]] std::vector<Reading> other_wirings(const Site& site, const Solution& solution);
-
-/// A clock that jumped between two stops, taken back, as either half of the recordings shows it
-/// (clock_jumps.h); none where none is seen.
-[[nodiscard]] std::vector<Reading> jumped_clocks(const Site& site, const std::vector<MeasurementLog>& runs,
-                                                 const SolveOptions& options);
+/// The size that explains the recordings best: steps by factors of two, the best of them refined to a part in
+/// a hundred.
+/// @param loss  of the recordings when a size is taken back; some thirty are asked for
+[[nodiscard]] double likeliest_size(double least, double most, const std::function<double(double)>& loss);
 
 }  // namespace octant::calib

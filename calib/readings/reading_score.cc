@@ -26,8 +26,7 @@ std::size_t disregarded_places(const Site& site, const ParameterLayout& layout) 
     bool disregarded = false;
     for (std::size_t i = 0; i < 3; ++i)
       if (const int column = layout.beacon[b][i]; column >= 0 && site.beacons[b].sigma_m[i])
-        disregarded =
-            disregarded || !std::isfinite(layout.parameters[static_cast<std::size_t>(column)].prior_sigma);
+        disregarded = disregarded || !std::isfinite(layout.parameter(column).prior_sigma);
     count += disregarded;
   }
   return count;

@@ -9,16 +9,16 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "calib/problem/clock_check.h"
 #include "calib/problem/ranges.h"
+#include "calib/readings/clock_jumps.h"
+#include "calib/readings/error_readings.h"
+#include "calib/readings/odometry_readings.h"
 #include "calib/readings/pauses.h"
-#include "calib/readings/pose_frames.h"
-#include "calib/readings/reading.h"
-#include "calib/readings/reading_family.h"
+#include "calib/readings/pose_readings.h"
 #include "calib/readings/reading_score.h"
-#include "calib/readings/site_frames.h"
+#include "calib/readings/site_readings.h"
 
 namespace octant::calib {
 namespace {
@@ -284,34 +284,11 @@ class Search {
       found_.pop_back();
   }
 
-  /// Stops that no epoch column tells apart, or all under one number. What is chosen of the runs depends on
-  /// the epochs, so it is chosen anew.
+  /// What is chosen of the runs depends on their epochs, so it is chosen anew.
   void try_numbered_stops() {
-    std::vector<MeasurementLog> runs = problem_.runs;
-    std::vector<std::string> names;
-    std::size_t stops = 0;
-    bool numbered = false;
-    for (MeasurementLog& run : runs) {
-      const bool had_epochs = run.has_epochs;
-      const std::size_t found = number_stops(run);
-      if (found == 0) continue;
-      stops += found;
-      numbered = numbered || had_epochs;
-      names.push_back(run.path + "/tof.csv");
-    }
-    if (stops == 0) return;
-    const std::string files = fmt::format("{}", fmt::join(names, ", "));
-    const Contradiction what{
-        ContradictionKind::kEpochs,
-        files,
-        numbered ? "one epoch for all" : "no column epoch",
-        fmt::format("that the times of its arrivals come in {} groups with pauses between, and in each of "
-                    "them fit a vehicle that stands still",
-                    stops),
-        0.0,
-        "add a column epoch that numbers the stops: rows with the same epoch share one pose of the vehicle"};
-    const ReadingScore s = score_of(site_, few_of(runs, site_, kSecondShare), options_, true);
-    if (explains(s)) found_.push_back({what, s});
+    for (const Reading& reading : numbered_stops(problem_.runs))
+      if (const ReadingScore s = score(reading, kSecondShare, true); explains(s))
+        found_.push_back({reading.what, s});
   }
 
   /// The best of them. Control points that are exchanged leave most of the shape of the site as it is, so

@@ -26,6 +26,13 @@ struct AsLeft {
                              const Eigen::VectorXd& drift, const Comparison& comparison,
                              const VisitInformation& visit, double tolerance_m);
 
+/// The thermometer of the recordings: whether each arrival has a temperature, and their mean.
+[[nodiscard]] MediumFound thermometer_of(const Deployment& deployment,
+                                         const std::vector<MeasurementLog>& runs);
+/// What a deployment is valid for, by a visit's places and (where they are known) its temperatures too.
+void extend_validity(Deployment& deployment, const std::vector<Trajectory>& trajectories,
+                     const Problem& problem, bool temperature_known);
+
 /// The new deployment with where it came from.
 [[nodiscard]] Deployment finished(const Revisit& revisit, const Deployment& before,
                                   const Provenance& provenance);

@@ -52,12 +52,6 @@ std::vector<Heard> heard_of_each(std::size_t count, const std::vector<Trajectory
   return all;
 }
 
-std::string name_of_receiver(const Deployment& d, std::size_t r) {
-  std::string name = d.vehicles[d.receivers[r].vehicle.index()].name;
-  name += "/" + d.receivers[r].name;
-  return name;
-}
-
 /// Arrivals of each beacon or by each receiver, whatever became of them.
 template <class Owner>
 std::vector<std::size_t> arrivals_of_each(std::size_t count, const std::vector<Trajectory>& trajectories,
@@ -95,7 +89,7 @@ std::vector<std::string> silent_beacons(const Deployment& before,
   constexpr double kMostDistances = 0.95, kMostHeard = 0.5, kMissed = 5.0;
   const std::vector<std::size_t> arrivals = arrivals_of_each(
       before.beacons.size(), trajectories, [](const ArrivalObservation& a) { return a.beacon.index(); });
-  if (std::find(arrivals.begin(), arrivals.end(), 0U) == arrivals.end()) return {};
+  if (std::ranges::find(arrivals, 0U) == arrivals.end()) return {};
   const std::vector<HearingPair> pairs = hearing_pairs(before, trajectories);
   std::vector<double> heard_m;
   for (const HearingPair& p : pairs)
@@ -134,7 +128,7 @@ std::vector<std::string> silent_receivers(const Deployment& before,
         taken += arrivals[o];
       }
     if (arrivals[r] == 0 && others > 0 && taken >= kEnough * others)
-      silent.push_back(name_of_receiver(before, r));
+      silent.push_back(receiver_path(r, names_of(before)));
   }
   return silent;
 }
@@ -151,8 +145,7 @@ std::vector<std::size_t> doubtful_beacons(const Deployment& before,
     if (before.beacons[b].status != BeaconStatus::kUndetermined && counts[b].outliers() > 0 &&
         share(b) >= kManyOut)
       doubtful.push_back(b);
-  std::stable_sort(doubtful.begin(), doubtful.end(),
-                   [&](std::size_t a, std::size_t b) { return share(a) > share(b); });
+  std::ranges::stable_sort(doubtful, [&](std::size_t a, std::size_t b) { return share(a) > share(b); });
   return doubtful;
 }
 
@@ -187,7 +180,8 @@ std::vector<Heard> heard_by_receivers(const Deployment& before, const std::vecto
                                       const SharedState& now) {
   const SharedState then = shared_state(before);
   return heard_of_each(
-      before.receivers.size(), trajectories, now, [&](std::size_t r) { return name_of_receiver(before, r); },
+      before.receivers.size(), trajectories, now,
+      [&](std::size_t r) { return receiver_path(r, names_of(before)); },
       [&](std::size_t r, SharedState& state) {
         state.receiver_p_vehicle_m[r] = then.receiver_p_vehicle_m[r];
         state.receiver_delay_s[r] = then.receiver_delay_s[r];

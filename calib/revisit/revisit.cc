@@ -17,7 +17,6 @@
 #include "calib/problem/ranges.h"
 #include "calib/problem/trilaterate.h"
 #include "calib/revisit/as_left.h"
-#include "calib/revisit/conditions.h"
 #include "calib/revisit/revisited_site.h"
 #include "calib/revisit/stretches.h"
 #include "calib/revisit/visit_information.h"
@@ -82,6 +81,13 @@ class SecondVisit {
 
  private:
   using Clock = std::chrono::steady_clock;
+  /// Where the adjustment stands.
+  struct Standing {
+    Fit fit;
+    CalibrationStatistics statistics;
+    double sigma_s = 0.0;  ///< noise of the arrivals as found
+    [[nodiscard]] double squares() const { return fit.cost * sigma_s * sigma_s; }
+  };
 
   bool stopped() {
     out_.status = SolveStatus::kInterrupted;
@@ -92,13 +98,13 @@ class SecondVisit {
   void set_start(const Problem& problem, const SharedState& state, std::vector<bool> usable,
                  std::vector<Trajectory> trajectories) {
     layout_ = make_layout(problem, state, usable);
-    fit_ = Fit();
-    fit_.problem = without_recordings(problem);
-    fit_.x = layout_.vector_of(state);
-    fit_.layout = layout_;
-    fit_.beacon_usable = std::move(usable);
-    fit_.trajectories = std::move(trajectories);
-    sigma_s_ = problem.site.noise.tof_sigma_s;
+    now_.fit = Fit();
+    now_.fit.problem = without_recordings(problem);
+    now_.fit.x = layout_.vector_of(state);
+    now_.fit.layout = layout_;
+    now_.fit.beacon_usable = std::move(usable);
+    now_.fit.trajectories = std::move(trajectories);
+    now_.sigma_s = problem.site.noise.tof_sigma_s;
   }
 
   /// States are placed by what was known: most of it still holds, and a beacon that hangs elsewhere
@@ -112,9 +118,8 @@ class SecondVisit {
     set_start(problem, state, std::move(usable), problem.trajectories);
     static_cast<void>(place_missing());
     const auto is_placed = [](const Node& n) { return n.placed; };
-    if (std::none_of(fit_.trajectories.begin(), fit_.trajectories.end(), [&](const Trajectory& t) {
-          return std::any_of(t.nodes.begin(), t.nodes.end(), is_placed);
-        }))
+    if (std::ranges::none_of(now_.fit.trajectories,
+                             [&](const Trajectory& t) { return std::ranges::any_of(t.nodes, is_placed); }))
       return false;
     const Eigen::MatrixXd P = drifted() + Eigen::MatrixXd(room.asDiagonal());
     if (!adjust_under(P)) return false;
@@ -125,19 +130,18 @@ class SecondVisit {
 
   /// States that have no value, by the parameters as they stand. In other air many are missed at first.
   bool place_missing() {
-    const EpochFixModel model = search_model(fit_.problem, fit_.state(), fit_.beacon_usable);
+    const EpochFixModel model = search_model(now_.fit.problem, now_.fit.state(), now_.fit.beacon_usable);
     std::size_t placed = 0;
-    for (Trajectory& t : fit_.trajectories)
+    for (Trajectory& t : now_.fit.trajectories)
       placed += place_states(t, model, kRangeUncertaintyM, false, 0.0, options_.solve.threads);
     return placed > 0;
   }
 
   /// A beacon at another place, with the delay that it had.
   void put(std::size_t b, const Eigen::Vector3d& p_map_m) {
-    for (std::size_t i = 0; i < 3; ++i)
-      if (const int c = layout_.beacon[b][i]; c >= 0) fit_.x[c] = p_map_m[static_cast<Eigen::Index>(i)];
+    layout_.set_place(b, p_map_m, now_.fit.x);
     if (const int c = layout_.column_of(parameters::beacon_delay(b)); c >= 0)
-      fit_.x[c] = before_.beacons[b].delay_s / layout_.parameters[static_cast<std::size_t>(c)].si_per_unit;
+      now_.fit.x[c] = before_.beacons[b].delay_s / layout_.parameter(c).si_per_unit;
   }
 
   /// Beacons most of whose arrivals do not fit, from the vehicle's states by their own ranges.
@@ -145,30 +149,22 @@ class SecondVisit {
   bool locate_lost() {
     bool any = false;
     const std::vector<RejectionCounts> counts =
-        rejections_by_beacon(fit_.trajectories, before_.beacons.size());
-    const SharedState state = fit_.state();
+        rejections_by_beacon(now_.fit.trajectories, before_.beacons.size());
+    const SharedState state = now_.fit.state();
     for (std::size_t b = 0; b < counts.size(); ++b) {
       const std::size_t used = counts[b].of(Rejection::kUsed);
       if (counts[b].outliers() <= std::max(used, kFewestRanges) || layout_.beacon[b][0] < 0) continue;
       TrilaterationOptions options;
       options.guess = before_.beacons[b].position_m;
-      options.scale_m = 0.01 * fit_.problem.typical_range_m;
+      options.scale_m = 0.01 * now_.fit.problem.typical_range_m;
       options.above = before_.motion == Motion::kPlanar;
-      const Trilateration found = trilaterate(ranges_to(fit_.trajectories, state, BeaconId(b)), options);
+      const Trilateration found = trilaterate(ranges_to(now_.fit.trajectories, state, BeaconId(b)), options);
       if (!found.ok) continue;
       any = true;
       put(b, found.p_map_m);
     }
     return any;
   }
-
-  /// Where the adjustment stands.
-  struct Standing {
-    Fit fit;
-    CalibrationStatistics statistics;
-    double sigma_s = 0.0;
-    [[nodiscard]] double squares() const { return fit.cost * sigma_s * sigma_s; }
-  };
 
   /// Holds beacons where they hung before; takes that back unless it explains more.
   [[nodiscard]] bool hold(const std::vector<std::size_t>& beacons, Standing& best, Eigen::MatrixXd& room) {
@@ -177,14 +173,12 @@ class SecondVisit {
     for (Eigen::Index i = 0; i < known_.size(); ++i)
       for (const std::size_t b : beacons)
         if (beacon_of(known_.parameters[static_cast<std::size_t>(i)]) == b) held(i, i) = 0.0;
-    const bool better = adjust_under(drifted() + held) && fit_.cost * sigma_s_ * sigma_s_ < best.squares();
+    const bool better = adjust_under(drifted() + held) && now_.squares() < best.squares();
     if (better) {
-      best = {fit_, statistics_, sigma_s_};
+      best = now_;
       room = std::move(held);
     } else {
-      fit_ = best.fit;
-      statistics_ = best.statistics;
-      sigma_s_ = best.sigma_s;
+      now_ = best;
     }
     return better;
   }
@@ -195,9 +189,9 @@ class SecondVisit {
   /// did move would lose most of them.
   /// @param room  of changes beside the drift  @return the room that is left
   [[nodiscard]] Eigen::MatrixXd reconsidered(Eigen::MatrixXd room) {
-    std::vector<std::size_t> doubtful = doubtful_beacons(before_, fit_.trajectories);
+    std::vector<std::size_t> doubtful = doubtful_beacons(before_, now_.fit.trajectories);
     if (doubtful.empty()) return room;
-    Standing best{fit_, statistics_, sigma_s_};
+    Standing best = now_;
     if (hold(doubtful, best, room) || doubtful.size() == 1) return room;
     doubtful.resize(std::min(doubtful.size(), kMostReconsidered));
     for (const std::size_t b : doubtful) static_cast<void>(hold({b}, best, room));
@@ -215,14 +209,14 @@ class SecondVisit {
     }
     const SharedState state = found.estimate.state();
     set_start(problem, state, std::move(found.estimate.beacon_usable), std::move(found.trajectories));
-    const double factor = agreeing_sigma(fit_.trajectories, state);
+    const double factor = agreeing_sigma(now_.fit.trajectories, state);
     if (is_far_off(factor)) scale_noise(factor);
     return true;
   }
 
   void scale_noise(double factor) {
-    rescale_noise(fit_.trajectories, sigma_s_, factor * sigma_s_);
-    sigma_s_ *= factor;
+    rescale_noise(now_.fit.trajectories, now_.sigma_s, factor * now_.sigma_s);
+    now_.sigma_s *= factor;
   }
 
   /// What the approach found farther away than there is room for gets that much room.
@@ -231,8 +225,7 @@ class SecondVisit {
     for (Eigen::Index i = 0; i < known_.size(); ++i) {
       const int c = columns[static_cast<std::size_t>(i)];
       if (c < 0 || !(room[i] > 0)) continue;
-      const double off =
-          fit_.x[c] * layout_.parameters[static_cast<std::size_t>(c)].si_per_unit - known_.value[i];
+      const double off = now_.fit.x[c] * layout_.parameter(c).si_per_unit - known_.value[i];
       room[i] = std::max(room[i], off * off);
     }
     return room;
@@ -240,19 +233,20 @@ class SecondVisit {
 
   /// Adjusts with all arrivals admitted, the noise as found.
   bool adjust_under(const Eigen::MatrixXd& P) {
-    fit_.layout = layout_;
-    set_joint_prior(fit_.layout, known_, P);
+    now_.fit.layout = layout_;
+    set_joint_prior(now_.fit.layout, known_, P);
     const auto adjusted = adjust_and_scale_noise(
         [this]() -> std::optional<DataSquares> {
-          adjust_anew(options_.solve, fit_);
-          if (!fit_.ok || !fit_.x.allFinite()) return {};
-          statistics_ = statistics_of(fit_.problem, fit_.layout, fit_.trajectories, fit_.state(),
-                                      fit_.last.cost, options_.solve.threads);
-          const double prior = prior_cost(fit_.problem, fit_.layout, fit_.x);
-          return DataSquares{fit_.last.cost - prior, statistics_.redundancy};
+          adjust_anew(options_.solve, now_.fit);
+          if (!now_.fit.ok || !now_.fit.x.allFinite()) return {};
+          now_.statistics = statistics_of(now_.fit.problem, now_.fit.layout, now_.fit.trajectories,
+                                          now_.fit.state(), now_.fit.last.cost, options_.solve.threads);
+          const double prior = prior_cost(now_.fit.problem, now_.fit.layout, now_.fit.x);
+          return DataSquares{now_.fit.last.cost - prior, now_.statistics.redundancy};
         },
         [this](const NoiseFactors& factors) { scale_noise(factors.arrivals); });
-    if (!adjusted) out_.message = "the adjustment of the second visit did not converge: " + fit_.last.message;
+    if (!adjusted)
+      out_.message = "the adjustment of the second visit did not converge: " + now_.fit.last.message;
     return adjusted.has_value();
   }
 
@@ -267,9 +261,9 @@ class SecondVisit {
         room = room_around(usual_room).asDiagonal();
         if (!adjust_under(prior + room)) return false;
       }
-      if (turn_to_known_side(before_, layout_, fit_.x) && !adjust_under(prior + room)) return false;
+      if (turn_to_known_side(before_, layout_, now_.fit.x) && !adjust_under(prior + room)) return false;
       if (round == 0) room = reconsidered(std::move(room));
-      visit_ = visit_information(fit_, known_, prior + room, before_, options_.solve.threads);
+      visit_ = visit_information(now_.fit, known_, prior + room, before_, options_.solve.threads);
       out_.comparison = compare(before_, known_, innovation_of_information(prior, visit_.N, visit_.gradient));
       Released found = changed_parameters(out_.comparison, known_);
       if (round > 0 && found == released) break;
@@ -291,38 +285,38 @@ class SecondVisit {
   /// moved them.
   bool refine_on_all_arrivals() {
     if (!monitor_.report("the whole recording", 0.9)) return stopped();
-    fit_.problem.runs.resize(problem_.runs.size());
-    fit_.trajectories = problem_.trajectories;
-    rescale_noise(fit_.trajectories, problem_.site.noise.tof_sigma_s, sigma_s_);
-    const EpochFixModel model = search_model(problem_, fit_.state(), fit_.beacon_usable);
-    for (Trajectory& t : fit_.trajectories)
+    now_.fit.problem.runs.resize(problem_.runs.size());
+    now_.fit.trajectories = problem_.trajectories;
+    rescale_noise(now_.fit.trajectories, problem_.site.noise.tof_sigma_s, now_.sigma_s);
+    const EpochFixModel model = search_model(problem_, now_.fit.state(), now_.fit.beacon_usable);
+    for (Trajectory& t : now_.fit.trajectories)
       static_cast<void>(place_states(t, model, 0.0, false, 0.0, options_.solve.threads));
-    readmit_all(fit_.trajectories, fit_.beacon_usable);
+    readmit_all(now_.fit.trajectories, now_.fit.beacon_usable);
     const bool known_white = !visit_.correlated;
     const Eigen::MatrixXd prior = drifted();
     for (int pass = 0; pass < kPassesOfAll; ++pass) {
       // The error model is of the residuals that white weights leave: it is told once, where these have led,
       // and until then what changed stays what the part has shown.
       const bool last = pass + 1 == kPassesOfAll;
-      const SharedState state = fit_.state();
+      const SharedState state = now_.fit.state();
       solve_all_states(state, pass == 0 ? kCauchyScale : 0.0);
-      reject_outliers(fit_.trajectories, state, options_.solve.rejection_sigmas, options_.solve.threads);
+      reject_outliers(now_.fit.trajectories, state, options_.solve.rejection_sigmas, options_.solve.threads);
       const Eigen::MatrixXd P =
           prior + released_covariance(known_, changed_parameters(out_.comparison, known_), before_.motion);
-      set_joint_prior(fit_.layout = layout_, known_, P);
-      visit_ = visit_information(fit_, known_, P, before_, options_.solve.threads, known_white || !last);
+      set_joint_prior(now_.fit.layout = layout_, known_, P);
+      visit_ = visit_information(now_.fit, known_, P, before_, options_.solve.threads, known_white || !last);
       if (known_white || last)
         out_.comparison =
             compare(before_, known_, innovation_of_information(prior, visit_.N, visit_.gradient));
       move_to(known_.value + updated_by(P, visit_.N, visit_.gradient).step);
     }
-    statistics_ = statistics_of(fit_.problem, fit_.layout, fit_.trajectories, fit_.state(), data_cost(),
-                                options_.solve.threads);
+    now_.statistics = statistics_of(now_.fit.problem, now_.fit.layout, now_.fit.trajectories,
+                                    now_.fit.state(), data_cost(), options_.solve.threads);
     return true;
   }
 
   void solve_all_states(const SharedState& state, double scale) {
-    for (Trajectory& t : fit_.trajectories)
+    for (Trajectory& t : now_.fit.trajectories)
       for_each_parallel(t.segments.size(), options_.solve.threads, [&](std::size_t s) {
         if (t.nodes[t.segments[s].first_node].placed) solve_states(t, t.segments[s], state, {scale, scale});
       });
@@ -330,9 +324,9 @@ class SecondVisit {
 
   /// Of all arrivals and priors where the fit stands.
   [[nodiscard]] double data_cost() const {
-    double cost = prior_cost(fit_.problem, fit_.layout, fit_.x);
-    const SharedState state = fit_.state();
-    for (const Trajectory& t : fit_.trajectories)
+    double cost = prior_cost(now_.fit.problem, now_.fit.layout, now_.fit.x);
+    const SharedState state = now_.fit.state();
+    for (const Trajectory& t : now_.fit.trajectories)
       for (const Segment& segment : t.segments)
         if (t.nodes[segment.first_node].placed) cost += chain_cost(t, segment, state, {});
     return cost;
@@ -342,7 +336,7 @@ class SecondVisit {
     const std::vector<int> columns = columns_of(layout_, known_);
     for (Eigen::Index i = 0; i < known_.size(); ++i)
       if (const int c = columns[static_cast<std::size_t>(i)]; c >= 0)
-        fit_.x[c] = value[i] / layout_.parameters[static_cast<std::size_t>(c)].si_per_unit;
+        now_.fit.x[c] = value[i] / layout_.parameter(c).si_per_unit;
   }
 
   void conclude_visit() {
@@ -351,14 +345,14 @@ class SecondVisit {
     out_.warnings.insert(out_.warnings.end(), left.warnings.begin(), left.warnings.end());
     out_.medium.speed_change_mps = out_.as_left.speed_offset_mps - before_.speed_offset_mps;
     out_.medium.speed_change_sigma_mps = left.speed_change_sigma_mps;
-    out_.as_left.statistics = statistics_;
+    out_.as_left.statistics = now_.statistics;
     out_.as_left.statistics.converged = true;
-    extend_validity(out_.as_left, fit_.trajectories, problem_, out_.medium.temperature_known);
-    const SharedState state = fit_.state();
-    out_.beacons = heard_of_beacons(before_, fit_.trajectories, state);
-    out_.receivers = heard_by_receivers(before_, fit_.trajectories, state);
-    out_.silent = silent_beacons(before_, fit_.trajectories);
-    for (std::string& name : silent_receivers(before_, fit_.trajectories))
+    extend_validity(out_.as_left, now_.fit.trajectories, problem_, out_.medium.temperature_known);
+    const SharedState state = now_.fit.state();
+    out_.beacons = heard_of_beacons(before_, now_.fit.trajectories, state);
+    out_.receivers = heard_by_receivers(before_, now_.fit.trajectories, state);
+    out_.silent = silent_beacons(before_, now_.fit.trajectories);
+    for (std::string& name : silent_receivers(before_, now_.fit.trajectories))
       out_.silent.push_back(std::move(name));
     if (out_.comparison.p_left < kUnexplained)
       out_.warnings.push_back(
@@ -378,9 +372,7 @@ class SecondVisit {
   Eigen::VectorXd drift_;
   Problem problem_;
   ParameterLayout layout_;  ///< without the joint prior
-  Fit fit_;
-  double sigma_s_ = 0.0;  ///< noise of the arrivals as found
-  CalibrationStatistics statistics_;
+  Standing now_;
   VisitInformation visit_;
   Revisit out_;
 };

@@ -98,12 +98,12 @@ void set_joint_prior(ParameterLayout& layout, const KnownParameters& known,
   std::vector<std::pair<int, int>> order;  // columns ascending, and their parameters
   for (std::size_t k = 0; k < column.size(); ++k)
     if (column[k] >= 0) order.emplace_back(column[k], static_cast<int>(k));
-  std::sort(order.begin(), order.end());
+  std::ranges::sort(order);
   const auto n = static_cast<Eigen::Index>(order.size());
   std::vector<int> columns, which;
   Eigen::VectorXd unit(n);
   for (const auto& [c, k] : order) {
-    Parameter& parameter = layout.parameters[static_cast<std::size_t>(c)];
+    Parameter& parameter = layout.parameter(c);
     unit[static_cast<Eigen::Index>(columns.size())] = parameter.si_per_unit;
     parameter.prior_sigma = INFINITY;
     columns.push_back(c);

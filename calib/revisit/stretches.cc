@@ -31,7 +31,7 @@ MeasurementLog stretch_of(const MeasurementLog& run, double from_s, double to_s)
   out.odometry = rows_between(run.odometry, from_s, to_s);
   std::vector<VehicleId> anchored;
   for (OdometryStep& step : out.odometry) {  // the first row of each vehicle has none before it
-    if (std::find(anchored.begin(), anchored.end(), step.vehicle) != anchored.end()) continue;
+    if (std::ranges::find(anchored, step.vehicle) != anchored.end()) continue;
     anchored.push_back(step.vehicle);
     step.set_pose({});
   }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <utility>
 #include <vector>
 
 #include "calib/adjust/information.h"
@@ -53,8 +52,8 @@ Eigen::MatrixXd covariance_under(const StatedErrors& errors, const ErrorSample& 
     G.insert(G.end(), with.data(), with.data() + rank);
   };
   for (auto& [pair, rows] : pairs) {
-    std::sort(rows.begin(), rows.end(),
-              [&](std::size_t a, std::size_t b) { return sample.rows[a].time_s < sample.rows[b].time_s; });
+    std::ranges::sort(
+        rows, [&](std::size_t a, std::size_t b) { return sample.rows[a].time_s < sample.rows[b].time_s; });
     faded.setZero();  // of the rows before, as much as is left of their errors
     sum.setZero();
     double last_s = -INFINITY;
@@ -118,7 +117,7 @@ KnownColumns known_columns_of(const ParameterLayout& layout, const KnownParamete
 Eigen::VectorXd own_prior_gradient(const Fit& fit, const std::vector<int>& columns) {
   Eigen::VectorXd gradient(static_cast<Eigen::Index>(columns.size()));
   for (std::size_t k = 0; k < columns.size(); ++k) {
-    const Parameter& p = fit.layout.parameters[static_cast<std::size_t>(columns[k])];
+    const Parameter& p = fit.layout.parameter(columns[k]);
     gradient[static_cast<Eigen::Index>(k)] =
         std::isfinite(p.prior_sigma) ? (fit.x[columns[k]] - p.prior_mean) / (p.prior_sigma * p.prior_sigma)
                                      : 0.0;
@@ -159,10 +158,8 @@ Eigen::MatrixXd between_error_models(const Eigen::MatrixXd& white, const Eigen::
 
 VisitInformation visit_information(Fit& fit, const KnownParameters& known, const Eigen::MatrixXd& P_si,
                                    const Deployment& noise, int threads, bool known_white) {
-  Workers workers;
-  workers.threads = threads;
   const Information information =
-      information_at(fit.problem, fit.layout, fit.trajectories, fit.x, {}, workers);
+      information_at(fit.problem, fit.layout, fit.trajectories, fit.x, {.threads = threads});
   const Eigen::MatrixXd all = information.data + information.prior;
   const KnownColumns p = known_columns_of(fit.layout, known);
   Eigen::MatrixXd N = information.data(p.known, p.known);
@@ -178,8 +175,7 @@ VisitInformation visit_information(Fit& fit, const KnownParameters& known, const
   const auto n = static_cast<Eigen::Index>(p.known.size());
   Eigen::VectorXd unit(n);
   for (Eigen::Index k = 0; k < n; ++k)
-    unit[k] =
-        fit.layout.parameters[static_cast<std::size_t>(p.known[static_cast<std::size_t>(k)])].si_per_unit;
+    unit[k] = fit.layout.parameter(p.known[static_cast<std::size_t>(k)]).si_per_unit;
   const Eigen::MatrixXd inverse_root =
       joint_prior({}, {}, P_si(p.of_known, p.of_known)).root;  // of P in SI: L^-1
   const Eigen::MatrixXd L = Eigen::PartialPivLU<Eigen::MatrixXd>(inverse_root).inverse();

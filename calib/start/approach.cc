@@ -74,8 +74,7 @@ class Approacher {
     return has_poses(kLeastPlaced);
   }
   bool has_poses(double least_share) {
-    auto why_not =
-        without_poses(problem_, estimate_.layout, estimate_.beacon_usable, out_.trajectories, least_share);
+    auto why_not = without_poses(problem_, out_, least_share);
     return why_not ? stop(std::move(*why_not)) : true;
   }
   bool stop(Solution why) {
@@ -108,7 +107,7 @@ class Approacher {
   bool graduated() {
     double scale = std::max(start_.uncertainty_m / sigma_m(), kCauchyScale);
     bool searched_again = false;
-    if (scale > kRoughScale && std::any_of(out_.trajectories.begin(), out_.trajectories.end(), can_be_held)) {
+    if (scale > kRoughScale && std::ranges::any_of(out_.trajectories, can_be_held)) {
       if (!fitted_to_paths(scale)) return false;
       scale = std::max(scale / kFiner, kCauchyScale);
     }
@@ -151,8 +150,7 @@ class Approacher {
     bool lifted = false;
     for (const auto& columns : estimate_.layout.beacon) {
       const int z = columns[2];
-      if (z < 0 || std::isfinite(estimate_.layout.parameters[static_cast<std::size_t>(z)].prior_sigma) ||
-          estimate_.x[z] >= plane_z_m)
+      if (z < 0 || std::isfinite(estimate_.layout.parameter(z).prior_sigma) || estimate_.x[z] >= plane_z_m)
         continue;
       estimate_.x[z] = 2 * plane_z_m - estimate_.x[z];
       lifted = true;
@@ -161,30 +159,20 @@ class Approacher {
   }
 
   /// A solution on the way, to which a trial that is no better returns.
-  struct Checkpoint {
-    Estimate estimate;
-    std::vector<Trajectory> trajectories;
-  };
-  [[nodiscard]] Checkpoint checkpoint() const { return {estimate_, out_.trajectories}; }
-  void restore(Checkpoint checkpoint) {
-    estimate_ = std::move(checkpoint.estimate);
-    out_.trajectories = std::move(checkpoint.trajectories);
-  }
-  [[nodiscard]] static ComparedSolution solution_of(const Checkpoint& kept) {
-    return {kept.estimate.layout, kept.estimate.x, kept.trajectories};
-  }
+  [[nodiscard]] AdjustedLog checkpoint() const { return out_; }
+  void restore(AdjustedLog checkpoint) { static_cast<AdjustedLog&>(out_) = std::move(checkpoint); }
+
   [[nodiscard]] ConsensusCost consensus(double early_more = 0.0) const {
-    return consensus_cost_of(problem_, estimate_.layout, estimate_.x, out_.trajectories,
-                             options_.rejection_sigmas, {}, early_more);
+    return consensus_cost_of(problem_, out_, options_.rejection_sigmas, {}, early_more);
   }
 
   /// Along a wall a site may have come out as its image in the wall, where little but what is stated across
   /// it tells the sides: the image is adjusted too, and kept where it costs less than this share.
   bool compare_image_in_wall(double share) {
     const double off_line_m = kNearLine * problem_.typical_range_m;
-    const Checkpoint here = checkpoint();
+    const AdjustedLog here = checkpoint();
     const double cost = consensus().total();
-    if (!reflect_site(problem_, estimate_.layout, estimate_.x, out_.trajectories, off_line_m)) return true;
+    if (!reflect_site(problem_, out_, off_line_m)) return true;
     if (!monitor_.report("the image in the line of what is known", 0.61)) return false;
     if (!adjust_from(off_line_m)) return false;
     if (consensus().total() >= share * cost) restore(here);
@@ -193,7 +181,7 @@ class Approacher {
 
   /// Exchanged or misplaced beacons, once the arrivals have told where they are.
   bool mend_labels() {
-    const Checkpoint before = checkpoint();
+    const AdjustedLog before = checkpoint();
     LabelCheck check = check_labels(problem_, estimate_.layout, estimate_.x);
     if (check.mended) {
       if (!monitor_.report("adjustment with mended positions", 0.62)) return false;
@@ -208,14 +196,14 @@ class Approacher {
   /// A beacon is not where the site file has it because a robust start ended elsewhere: it is adjusted from
   /// its stated place as well, all such beacons at once, then one by one, and the stated place is disregarded
   /// only where that is clearly worse.
-  bool believe_stated(const Checkpoint& before, LabelCheck& check) {
+  bool believe_stated(const AdjustedLog& before, LabelCheck& check) {
     const auto better_than = [this](const ConsensusCost& other) {
       const double noise = agreeing_sigma(out_.trajectories, estimate_.state());
       return consensus().total() < other.total() + kAsGoodAsStated * std::max(1.0, noise * noise);
     };
     std::vector<std::size_t> trusted;
     const std::vector<std::size_t> doubted = check.disregarded;
-    Checkpoint best = checkpoint();
+    AdjustedLog best = checkpoint();
     ConsensusCost cost = consensus();
     for (std::size_t trial = 0;
          trial <= doubted.size() && trusted.size() < doubted.size() && (trial == 0 || doubted.size() > 1);
@@ -251,7 +239,7 @@ class Approacher {
         const int column = estimate_.layout.beacon[b][i];
         if (column < 0 || !problem_.site.beacons[b].position_m[i]) continue;
         estimate_.x[column] = *problem_.site.beacons[b].position_m[i];
-        const double prior_m = estimate_.layout.parameters[static_cast<std::size_t>(column)].prior_sigma;
+        const double prior_m = estimate_.layout.parameter(column).prior_sigma;
         if (std::isfinite(prior_m)) off_m = std::max(off_m, prior_m);
       }
     return adjust_from(off_m);
@@ -272,14 +260,12 @@ class Approacher {
   /// Beacons of whose arrivals many do not fit are adjusted from the place that more of them agree on as
   /// well, where there is one, and the larger consensus is kept.
   bool look_behind_obstacles() {
-    for (const std::size_t b : beacons_that_do_not_fit(estimate_.layout, estimate_.x, out_.trajectories,
-                                                       options_.rejection_sigmas)) {
-      const auto moved = with_beacon_of_larger_consensus(problem_, estimate_.layout, estimate_.x,
-                                                         out_.trajectories, b, options_.rejection_sigmas);
+    for (const std::size_t b : beacons_that_do_not_fit(out_, options_.rejection_sigmas)) {
+      const auto moved = with_beacon_of_larger_consensus(problem_, out_, b, options_.rejection_sigmas);
       if (!moved) continue;
       if (!monitor_.report(fmt::format("another place of beacon {}", problem_.site.beacons[b].name), 0.66))
         return false;
-      const Checkpoint here = checkpoint();
+      const AdjustedLog here = checkpoint();
       const double cost = consensus(kEarlyIsRarer).total();
       estimate_.x = *moved;
       // Where as many arrivals are late as are direct, Cauchy's loss would settle between both.
@@ -308,21 +294,20 @@ class Approacher {
   /// @param is_turned  set where the image in height was kept
   bool compare_image_of(std::size_t b, bool& is_turned) {
     const std::array<int, 3>& columns = estimate_.layout.beacon[b];
-    if (!estimate_.beacon_usable[b] || *std::max_element(columns.begin(), columns.end()) < 0) return true;
+    if (!estimate_.beacon_usable[b] || *std::ranges::max_element(columns) < 0) return true;
     estimate_.beacon_mirrored[b] = false;
     auto image = mirror_image(problem_, estimate_.state(), out_.trajectories, b, 3 * sigma_m());
-    if (!image) image = image_across_receivers(problem_, estimate_.layout, estimate_.x, b);
+    if (!image) image = image_across_receivers(problem_, estimate_, b);
     if (!image) return true;
-    const Checkpoint here = checkpoint();
-    for (std::size_t i = 0; i < 3; ++i)
-      if (columns[i] >= 0) estimate_.x[columns[i]] = (*image)[static_cast<Eigen::Index>(i)];
+    const AdjustedLog here = checkpoint();
+    estimate_.layout.set_place(b, *image, estimate_.x);
     if (!adjust_with(kCauchyScale, 1e-8)) return false;
-    const Checkpoint there = checkpoint();
+    const AdjustedLog there = checkpoint();
     const Eigen::Vector3d p_here_m = here.estimate.state().beacon_p_map_m[b],
                           p_there_m = there.estimate.state().beacon_p_map_m[b];
     const bool is_height = is_across_receivers(problem_, p_here_m, p_there_m);
-    const Preference preferred = (is_height ? prefer_height : prefer_by_all)(
-        problem_, solution_of(here), solution_of(there), options_.rejection_sigmas);
+    const Preference preferred =
+        (is_height ? prefer_height : prefer_by_all)(problem_, here, there, options_.rejection_sigmas);
     // Bearings may have led it back to where it was: that is no second place.
     const bool is_one_place = (p_there_m - p_here_m).norm() <= tolerance_m(problem_),
                is_open = preferred == Preference::kNeither && !is_one_place,
@@ -335,13 +320,11 @@ class Approacher {
   }
 
   bool compare_site_image() {
-    const Checkpoint here = checkpoint();
-    if (!reflect_site(problem_, estimate_.layout, estimate_.x, out_.trajectories)) return true;
+    const AdjustedLog here = checkpoint();
+    if (!reflect_site(problem_, out_)) return true;
     const Eigen::VectorXd image = estimate_.x;
     if (!adjust_with(kCauchyScale, 1e-8)) return false;
-    const Preference preferred =
-        prefer_by_all(problem_, solution_of(here), {estimate_.layout, estimate_.x, out_.trajectories},
-                      options_.rejection_sigmas);
+    const Preference preferred = prefer_by_all(problem_, here, out_, options_.rejection_sigmas);
     if (preferred != Preference::kSecond) restore(here);
     if (preferred != Preference::kNeither) return true;
     for (std::size_t b = 0; b < estimate_.beacon_usable.size(); ++b)
@@ -366,7 +349,7 @@ class Approacher {
     double best = consensus().total();
     std::size_t failures = 0;
     for (const double uncertainty : kSearchScales) {
-      const Checkpoint before = checkpoint();
+      const AdjustedLog before = checkpoint();
       if (!monitor_.report(fmt::format("search again, beacons trusted to {:.3g} sigma", uncertainty), 0.65))
         return false;
       place_again(kCauchyScale, uncertainty);

@@ -27,30 +27,24 @@ double off_in_sigmas(const ParameterLayout& layout, const Eigen::VectorXd& x, st
   for (std::size_t i = 0; i < 3; ++i) {
     const int column = layout.beacon[b][i];
     if (column < 0 || !stated.position_m[i]) continue;
-    const double sigma = layout.parameters[static_cast<std::size_t>(column)].prior_sigma;
+    const double sigma = layout.parameter(column).prior_sigma;
     if (std::isfinite(sigma)) worst = std::max(worst, std::abs(x[column] - *stated.position_m[i]) / sigma);
   }
   return worst;
 }
 
-bool complete(const SiteBeacon& b) { return b.position_m[0] && b.position_m[1] && b.position_m[2]; }
-
-Eigen::Vector3d stated_place(const SiteBeacon& b) {
-  return {*b.position_m[0], *b.position_m[1], *b.position_m[2]};
-}
-
 /// "; it seems to be in feet" where the place is the stated one in another unit.
 std::string unit_in_words(const SiteBeacon& b, const Eigen::Vector3d& found_m, double typical_range_m) {
   constexpr double kOff = 0.01;  // of the range, as far as a place may be off that its ranges alone gave
-  if (!complete(b)) return "";
-  const auto unit = unit_of_place(stated_place(b), found_m, kOff * typical_range_m);
+  if (!b.place_m()) return "";
+  const auto unit = unit_of_place(*b.place_m(), found_m, kOff * typical_range_m);
   return unit ? fmt::format("; its unit seems to be {}, not metres", unit->name) : "";
 }
 
 void set_prior_mean(ParameterLayout& layout, std::size_t b, const SiteBeacon& stated) {
   for (std::size_t i = 0; i < 3; ++i)
     if (layout.beacon[b][i] >= 0 && stated.position_m[i])
-      layout.parameters[static_cast<std::size_t>(layout.beacon[b][i])].prior_mean = *stated.position_m[i];
+      layout.parameter(layout.beacon[b][i]).prior_mean = *stated.position_m[i];
 }
 
 }  // namespace
@@ -65,7 +59,7 @@ LabelCheck check_labels(const Problem& problem, ParameterLayout& layout, const E
   std::vector<bool> explained(beacons.size(), false);
   for (const std::size_t a : far)
     for (const std::size_t b : far) {
-      if (b <= a || explained[a] || explained[b] || !complete(beacons[a]) || !complete(beacons[b])) continue;
+      if (b <= a || explained[a] || explained[b] || !beacons[a].place_m() || !beacons[b].place_m()) continue;
       if (off_in_sigmas(layout, x, a, beacons[b]) > kNearSigmas ||
           off_in_sigmas(layout, x, b, beacons[a]) > kNearSigmas)
         continue;
@@ -78,7 +72,7 @@ LabelCheck check_labels(const Problem& problem, ParameterLayout& layout, const E
           beacons[a].name, beacons[b].name));
     }
   for (const std::size_t b : far) {
-    if (explained[b] || std::find(trusted.begin(), trusted.end(), b) != trusted.end()) continue;
+    if (explained[b] || std::ranges::find(trusted, b) != trusted.end()) continue;
     double distance2 = 0.0;
     Eigen::Vector3d found_m = Eigen::Vector3d::Zero();
     for (int i = 0; i < 3; ++i) {
@@ -89,7 +83,7 @@ LabelCheck check_labels(const Problem& problem, ParameterLayout& layout, const E
       const int column = layout.beacon[b][i];
       if (column < 0 || !beacons[b].position_m[i]) continue;
       distance2 += std::pow(x[column] - *beacons[b].position_m[i], 2);
-      layout.parameters[static_cast<std::size_t>(column)].prior_sigma = INFINITY;
+      layout.parameter(column).prior_sigma = INFINITY;
     }
     result.disregarded.push_back(b);
     result.warnings.push_back(fmt::format(
@@ -119,9 +113,9 @@ std::vector<std::string> suspect_control_points(const Problem& problem, const Sh
     const Trilateration place = trilaterate(ranges, options);
     std::string where = "somewhere else";
     for (std::size_t other = 0; other < beacons.size(); ++other) {
-      if (other == b || !complete(beacons[other])) continue;
+      if (other == b || !beacons[other].place_m()) continue;
       if (place.ok &&
-          (stated_place(beacons[other]) - place.p_map_m).head<2>().norm() < 0.1 * typical_range_m(problem))
+          (*beacons[other].place_m() - place.p_map_m).head<2>().norm() < 0.1 * typical_range_m(problem))
         where = "where the site file has " + beacons[other].name;
     }
     warnings.push_back(

@@ -47,8 +47,8 @@ bool has_measured_pose(const Trajectory& t, const Segment& segment, std::size_t 
                      [node](const PoseObservation& p) { return p.node == node || p.node + 1 == node; });
 }
 
-std::vector<KnownPlace> known_places(const Problem& problem, const ParameterLayout& layout,
-                                     const std::vector<Trajectory>& trajectories) {
+std::vector<KnownPlace> known_places(const Problem& problem, const AdjustedLog& log) {
+  const ParameterLayout& layout = log.estimate.layout;
   std::vector<KnownPlace> places;
   for (std::size_t b = 0; b < problem.site.beacons.size(); ++b) {
     const SiteBeacon& beacon = problem.site.beacons[b];
@@ -57,13 +57,13 @@ std::vector<KnownPlace> known_places(const Problem& problem, const ParameterLayo
     for (std::size_t i = 0; i < 2; ++i)
       if (const int column = layout.beacon[b][i];
           column >= 0)  // a label that was found wrong has lost its prior
-        sigma_m = std::max(sigma_m, layout.parameters[static_cast<std::size_t>(column)].prior_sigma);
+        sigma_m = std::max(sigma_m, layout.parameter(column).prior_sigma);
       else
         sigma_m = std::max(sigma_m, beacon.sigma_m[i].value_or(INFINITY));
     if (sigma_m < kVaguePlace * problem.typical_range_m)
       places.push_back({{*beacon.position_m[0], *beacon.position_m[1]}, sigma_m});
   }
-  for (const Trajectory& t : trajectories)
+  for (const Trajectory& t : log.trajectories)
     for (const PoseObservation& p : t.poses)
       if (p.position_sigma_m < kVaguePlace * problem.typical_range_m)
         places.push_back({p.T_map_vehicle.translation_m.head<2>(), p.position_sigma_m});
@@ -86,11 +86,20 @@ std::optional<Line> line_through(const std::vector<KnownPlace>& places, double o
   for (const KnownPlace& place : places)
     C += (place.p_m - line.mean_m) * (place.p_m - line.mean_m).transpose();
   line.normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(C).eigenvectors().col(0);
-  const bool in_line = std::all_of(places.begin(), places.end(), [&](const KnownPlace& place) {
+  const bool in_line = std::ranges::all_of(places, [&](const KnownPlace& place) {
     return std::abs(line.normal.dot(place.p_m - line.mean_m)) <=
            off_line_m + kOffLineSigmas * std::max(place.sigma_m, kLeastSigmaM);
   });
   return in_line ? std::optional<Line>(line) : std::nullopt;
+}
+
+/// @param by_others, by_all  half squares by which the second of two solutions is worse
+/// @param clearly, both  from which all together decide, or the others with them
+Preference decided(double by_others, double by_all, double clearly, double both) {
+  if (std::abs(by_all) <= clearly &&
+      (by_others * by_all <= 0 || std::min(std::abs(by_others), std::abs(by_all)) <= both))
+    return Preference::kNeither;
+  return by_all > 0 ? Preference::kFirst : Preference::kSecond;
 }
 
 /// Odometry, or receivers that do not lie in a vertical plane by more than the noise of a range.
@@ -112,17 +121,16 @@ bool distinguishes_left_from_right(const Problem& problem, const std::vector<Tra
 
 }  // namespace
 
-ConsensusCost consensus_cost_of(const Problem& problem, const ParameterLayout& layout,
-                                const Eigen::VectorXd& x, const std::vector<Trajectory>& trajectories,
-                                double rejection_sigmas, const ArrivalWeights& weights, double early_more) {
-  const SharedState state = layout.state_of(x);
+ConsensusCost consensus_cost_of(const Problem& problem, const AdjustedLog& log, double rejection_sigmas,
+                                const ArrivalWeights& weights, double early_more) {
+  const SharedState state = log.estimate.state();
   const double cap = 0.5 * rejection_sigmas * rejection_sigmas;
   const auto counts = [](Rejection r) { return r != Rejection::kBeaconUnusable && r != Rejection::kNoPose; };
   ConsensusCost cost;
-  cost.others = prior_cost(problem, layout, x);
+  cost.others = prior_cost(problem, log.estimate.layout, log.estimate.x);
   ObservationRow rows[6];
-  for (std::size_t k = 0; k < trajectories.size(); ++k) {
-    const Trajectory& t = trajectories[k];
+  for (std::size_t k = 0; k < log.trajectories.size(); ++k) {
+    const Trajectory& t = log.trajectories[k];
     for (std::size_t i = 0; i < t.arrivals.size(); ++i) {
       if (!counts(t.arrivals[i].rejection)) continue;
       const double r = arrival_residual(t, t.arrivals[i], state);
@@ -157,23 +165,19 @@ ArrivalWeights weights_by_place(const Problem& problem, const std::vector<Trajec
 Preference prefer(const ConsensusCost& first, const ConsensusCost& second, double noise) {
   const double scale = std::max(1.0, noise * noise), by_others = second.others - first.others,
                by_all = second.total() - first.total();
-  if (std::abs(by_all) > scale * kDecidedByRanges ||
-      (by_others * by_all > 0 && std::min(std::abs(by_others), std::abs(by_all)) > scale * kDecided))
-    return by_all > 0 ? Preference::kFirst : Preference::kSecond;
-  return Preference::kNeither;
+  return decided(by_others, by_all, scale * kDecidedByRanges, scale * kDecided);
 }
 
-Preference prefer_by_all(const Problem& problem, const ComparedSolution& first,
-                         const ComparedSolution& second, double rejection_sigmas) {
+Preference prefer_by_all(const Problem& problem, const AdjustedLog& first, const AdjustedLog& second,
+                         double rejection_sigmas) {
   const ArrivalWeights weights = weights_by_place(problem, first.trajectories);
-  const auto cost_of = [&](const ComparedSolution& of) {
-    return consensus_cost_of(problem, of.layout, of.x, of.trajectories, rejection_sigmas, weights);
+  const auto cost_of = [&](const AdjustedLog& of) {
+    return consensus_cost_of(problem, of, rejection_sigmas, weights);
   };
-  return prefer(cost_of(first), cost_of(second),
-                agreeing_sigma(first.trajectories, first.layout.state_of(first.x)));
+  return prefer(cost_of(first), cost_of(second), agreeing_sigma(first.trajectories, first.estimate.state()));
 }
 
-double arrivals_against(const Problem& problem, const ComparedSolution& first, const ComparedSolution& second,
+double arrivals_against(const Problem& problem, const AdjustedLog& first, const AdjustedLog& second,
                         double rejection_sigmas) {
   struct Difference {
     double first = 0.0, second = 0.0;  ///< residuals
@@ -183,7 +187,7 @@ double arrivals_against(const Problem& problem, const ComparedSolution& first, c
   const double cap = 0.5 * rejection_sigmas * rejection_sigmas;
   std::vector<Difference> differences;
   double against = 0.0, squares = 0.0;  // of the differences
-  const SharedState of_first = first.layout.state_of(first.x), of_second = second.layout.state_of(second.x);
+  const SharedState of_first = first.estimate.state(), of_second = second.estimate.state();
   for (std::size_t k = 0; k < first.trajectories.size(); ++k) {
     const Trajectory &a = first.trajectories[k], &b = second.trajectories[k];
     for (std::size_t i = 0; i < a.arrivals.size(); ++i) {
@@ -225,65 +229,60 @@ bool is_across_receivers(const Problem& problem, const Eigen::Vector3d& p_m, con
   return problem.site.motion == Motion::kPlanar && apart_m.head<2>().norm() < 0.5 * std::abs(apart_m.z());
 }
 
-Preference prefer_height(const Problem& problem, const ComparedSolution& first,
-                         const ComparedSolution& second, double rejection_sigmas) {
-  const auto others_of = [&](const ComparedSolution& of) {
-    return consensus_cost_of(problem, of.layout, of.x, of.trajectories, rejection_sigmas).others;
+Preference prefer_height(const Problem& problem, const AdjustedLog& first, const AdjustedLog& second,
+                         double rejection_sigmas) {
+  const auto others_of = [&](const AdjustedLog& of) {
+    return consensus_cost_of(problem, of, rejection_sigmas).others;
   };
   const double by_others = others_of(second) - others_of(first),
                by_all = by_others + arrivals_against(problem, first, second, rejection_sigmas);
-  if (std::abs(by_all) > kDecidedByHeight ||
-      (by_others * by_all > 0 && std::min(std::abs(by_others), std::abs(by_all)) > kDecided))
-    return by_all > 0 ? Preference::kFirst : Preference::kSecond;
-  return Preference::kNeither;
+  return decided(by_others, by_all, kDecidedByHeight, kDecided);
 }
 
-std::optional<Eigen::Vector3d> image_across_receivers(const Problem& problem, const ParameterLayout& layout,
-                                                      const Eigen::VectorXd& x, std::size_t beacon) {
-  const int column = layout.beacon[beacon][2];
+std::optional<Eigen::Vector3d> image_across_receivers(const Problem& problem, const Estimate& estimate,
+                                                      std::size_t beacon) {
+  const int column = estimate.layout.beacon[beacon][2];
   if (problem.site.motion != Motion::kPlanar || column < 0 || problem.site.receivers.empty())
     return std::nullopt;
-  const SharedState state = layout.state_of(x);
+  const SharedState state = estimate.state();
   double receivers_m = 0.0;
   for (const Eigen::Vector3d& p : state.receiver_p_vehicle_m)
     receivers_m += p.z() / static_cast<double>(state.receiver_p_vehicle_m.size());
   Eigen::Vector3d image = state.beacon_p_map_m[beacon];
   image.z() = 2 * receivers_m - image.z();
-  const Parameter& height = layout.parameters[static_cast<std::size_t>(column)];
+  const Parameter& height = estimate.layout.parameter(column);
   const auto half_squares = [&](double z) {
     return 0.5 * std::pow((z - height.prior_mean) / height.prior_sigma, 2);
   };
-  const bool is_told =
-      !std::isfinite(height.prior_sigma) || half_squares(image.z()) - half_squares(x[column]) > kDecided;
-  if (is_told || std::abs(image.z() - x[column]) < tolerance_m(problem)) return std::nullopt;
+  const bool is_told = !std::isfinite(height.prior_sigma) ||
+                       half_squares(image.z()) - half_squares(estimate.x[column]) > kDecided;
+  if (is_told || std::abs(image.z() - estimate.x[column]) < tolerance_m(problem)) return std::nullopt;
   return image;
 }
 
-bool is_known_in_line(const Problem& problem, const ParameterLayout& layout,
-                      const std::vector<Trajectory>& trajectories) {
-  const std::vector<KnownPlace> places = known_places(problem, layout, trajectories);
+bool is_known_in_line(const Problem& problem, const AdjustedLog& log) {
+  const std::vector<KnownPlace> places = known_places(problem, log);
   return problem.site.motion == Motion::kPlanar && places.size() >= 2 && line_through(places) &&
-         !distinguishes_left_from_right(problem, trajectories);
+         !distinguishes_left_from_right(problem, log.trajectories);
 }
 
-bool reflect_site(const Problem& problem, const ParameterLayout& layout, Eigen::VectorXd& x,
-                  std::vector<Trajectory>& trajectories, double off_line_m) {
-  const bool all_fixed = std::all_of(layout.beacon.begin(), layout.beacon.end(), [](const auto& columns) {
-    return std::max(columns[0], columns[1]) < 0;
-  });
+bool reflect_site(const Problem& problem, AdjustedLog& log, double off_line_m) {
+  const ParameterLayout& layout = log.estimate.layout;
+  const bool all_fixed = std::ranges::all_of(
+      layout.beacon, [](const auto& columns) { return std::max(columns[0], columns[1]) < 0; });
   if (problem.site.motion != Motion::kPlanar || all_fixed ||
-      distinguishes_left_from_right(problem, trajectories))
+      distinguishes_left_from_right(problem, log.trajectories))
     return false;
-  const std::optional<Line> line = line_through(known_places(problem, layout, trajectories), off_line_m);
+  const std::optional<Line> line = line_through(known_places(problem, log), off_line_m);
   if (!line) return false;
-  const SharedState state = layout.state_of(x);
+  const SharedState state = log.estimate.state();
   for (std::size_t b = 0; b < layout.beacon.size(); ++b) {
-    const Eigen::Vector2d image = line->image(state.beacon_p_map_m[b].head<2>());
-    for (int i = 0; i < 2; ++i)
-      if (const int column = layout.beacon[b][static_cast<std::size_t>(i)]; column >= 0) x[column] = image[i];
+    Eigen::Vector3d image = state.beacon_p_map_m[b];
+    image.head<2>() = line->image(image.head<2>());
+    layout.set_place(b, image, log.estimate.x);
   }
   const double axis_rad = std::atan2(-line->normal.x(), line->normal.y());
-  for (Trajectory& t : trajectories)
+  for (Trajectory& t : log.trajectories)
     for (const Segment& segment : t.segments)
       for (std::size_t k = segment.first_node; k < segment.last_node; ++k) {
         Node& node = t.nodes[k];

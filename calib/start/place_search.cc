@@ -119,12 +119,6 @@ class PlaceSearch {
   double sigma_m_, cap_;
 };
 
-/// Columns of a beacon's place and delay; -1: held.
-std::array<int, 4> columns_of_beacon(const ParameterLayout& layout, std::size_t b) {
-  const std::array<int, 3>& place = layout.beacon[b];
-  return {place[0], place[1], place[2], layout.column_of(parameters::beacon_delay(b))};
-}
-
 }  // namespace
 
 std::optional<PlaceAndDelay> place_of_largest_consensus(const std::vector<RangeFrom>& ranges,
@@ -153,12 +147,11 @@ std::optional<PlaceAndDelay> place_of_largest_consensus(const std::vector<RangeF
   return place;
 }
 
-std::vector<std::size_t> beacons_that_do_not_fit(const ParameterLayout& layout, const Eigen::VectorXd& x,
-                                                 const std::vector<Trajectory>& trajectories,
-                                                 double rejection_sigmas) {
-  const SharedState state = layout.state_of(x);
+std::vector<std::size_t> beacons_that_do_not_fit(const AdjustedLog& log, double rejection_sigmas) {
+  const ParameterLayout& layout = log.estimate.layout;
+  const SharedState state = log.estimate.state();
   std::vector<double> placed(layout.beacon.size(), 0.0), off(placed);
-  for (const Trajectory& t : trajectories)
+  for (const Trajectory& t : log.trajectories)
     for (const ArrivalObservation& a : t.arrivals) {
       if (!t.nodes[a.node].placed || a.rejection != Rejection::kUsed) continue;
       placed[a.beacon.index()] += 1.0;
@@ -169,10 +162,9 @@ std::vector<std::size_t> beacons_that_do_not_fit(const ParameterLayout& layout, 
   std::vector<std::pair<double, std::size_t>> lost;
   for (std::size_t b = 0; b < off.size(); ++b) {
     const std::array<int, 3>& columns = layout.beacon[b];
-    if (off[b] >= many && *std::max_element(columns.begin(), columns.end()) >= 0)
-      lost.emplace_back(-off[b], b);
+    if (off[b] >= many && *std::ranges::max_element(columns) >= 0) lost.emplace_back(-off[b], b);
   }
-  std::sort(lost.begin(), lost.end());
+  std::ranges::sort(lost);
   if (lost.size() > kMostLost) lost.resize(kMostLost);
   std::vector<std::size_t> beacons;
   beacons.reserve(lost.size());
@@ -180,13 +172,12 @@ std::vector<std::size_t> beacons_that_do_not_fit(const ParameterLayout& layout, 
   return beacons;
 }
 
-std::optional<Eigen::VectorXd> with_beacon_of_larger_consensus(const Problem& problem,
-                                                               const ParameterLayout& layout,
-                                                               const Eigen::VectorXd& x,
-                                                               const std::vector<Trajectory>& trajectories,
+std::optional<Eigen::VectorXd> with_beacon_of_larger_consensus(const Problem& problem, const AdjustedLog& log,
                                                                std::size_t beacon, double rejection_sigmas) {
-  const std::array<int, 4> columns = columns_of_beacon(layout, beacon);
-  const SharedState state = layout.state_of(x);
+  const ParameterLayout& layout = log.estimate.layout;
+  const Eigen::VectorXd& x = log.estimate.x;
+  const std::array<int, 4> columns = layout.columns_of_beacon(beacon);
+  const SharedState state = log.estimate.state();
   PlaceAndDelay now = PlaceAndDelay::Zero();  // ranges are those at the delay as it is
   now.head<3>() = state.beacon_p_map_m[beacon];
   PlacePrior prior;
@@ -194,12 +185,12 @@ std::optional<Eigen::VectorXd> with_beacon_of_larger_consensus(const Problem& pr
     const auto row = static_cast<Eigen::Index>(i);
     prior.sigma[row] = 0.0;
     if (columns[i] < 0) continue;
-    const Parameter& p = layout.parameters[static_cast<std::size_t>(columns[i])];
+    const Parameter& p = layout.parameter(columns[i]);
     prior.mean[row] = p.prior_mean - (i == 3 ? x[columns[i]] : 0.0);
     prior.sigma[row] = p.prior_sigma;
   }
   const auto place =
-      place_of_largest_consensus(ranges_to(trajectories, state, BeaconId(beacon)), prior, now,
+      place_of_largest_consensus(ranges_to(log.trajectories, state, BeaconId(beacon)), prior, now,
                                  problem.site.noise.tof_sigma_s * layout.nominal_speed_mps, rejection_sigmas);
   if (!place) return std::nullopt;
   Eigen::VectorXd moved = x;

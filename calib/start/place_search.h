@@ -7,8 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "calib/problem/parameters.h"
-#include "calib/problem/problem.h"
+#include "calib/adjust/estimate.h"
 #include "calib/problem/trilaterate.h"
 
 namespace octant::calib {
@@ -40,15 +39,14 @@ struct PlacePrior {
 
 /// Free beacons of whose arrivals at placed states many are off by more than `rejection_sigmas`, and more
 /// than of others, the worst first, eight at most.
-[[nodiscard]] std::vector<std::size_t> beacons_that_do_not_fit(const ParameterLayout& layout,
-                                                               const Eigen::VectorXd& x,
-                                                               const std::vector<Trajectory>& trajectories,
+[[nodiscard]] std::vector<std::size_t> beacons_that_do_not_fit(const AdjustedLog& log,
                                                                double rejection_sigmas);
 
 /// The parameters with a beacon where the states as they are have it by place_of_largest_consensus(). None
 /// where that is where it is.
-[[nodiscard]] std::optional<Eigen::VectorXd> with_beacon_of_larger_consensus(
-    const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x,
-    const std::vector<Trajectory>& trajectories, std::size_t beacon, double rejection_sigmas);
+[[nodiscard]] std::optional<Eigen::VectorXd> with_beacon_of_larger_consensus(const Problem& problem,
+                                                                             const AdjustedLog& log,
+                                                                             std::size_t beacon,
+                                                                             double rejection_sigmas);
 
 }  // namespace octant::calib

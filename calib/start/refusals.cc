@@ -3,6 +3,8 @@
 #include "calib/start/refusals.h"
 
 #include <algorithm>
+#include <iterator>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -47,68 +49,62 @@ PlacedArrivals placed_of(const std::vector<Trajectory>& trajectories) {
 }
 
 bool are_all_held(const Site& site) {
-  return std::all_of(site.beacons.begin(), site.beacons.end(),
-                     [](const SiteBeacon& b) { return b.is_control_point(); });
+  return std::ranges::all_of(site.beacons, [](const SiteBeacon& b) { return b.is_control_point(); });
+}
+
+/// Nothing is told of the poses of the vehicle, and so of these beacons.
+Solution refused_poses(const Problem& problem, const std::vector<std::size_t>& beacons,
+                       std::string description, std::string remedy) {
+  WeakDirection direction;
+  direction.description = std::move(description);
+  direction.remedy = std::move(remedy);
+  direction.blocking = true;
+  for (const std::size_t b : beacons)
+    direction.parameters.push_back(owner_name(parameters::beacon_delay(b), names_of(problem.site)));
+  return refused(std::move(direction));
 }
 
 Solution without_any_pose(const Problem& problem, const std::vector<bool>& beacon_found) {
-  WeakDirection direction;
-  const NameTable site_names = names_of(problem.site);
+  std::vector<std::size_t> lost, all(beacon_found.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  std::ranges::copy_if(all, std::back_inserter(lost), [&](std::size_t b) { return !beacon_found[b]; });
   std::vector<std::string> names;
-  for (std::size_t b = 0; b < beacon_found.size(); ++b) {
-    if (beacon_found[b]) continue;
-    direction.parameters.push_back(owner_name(parameters::beacon_delay(b), site_names));
-    names.push_back(problem.site.beacons[b].name);
-  }
-  if (names.empty()) {
-    // All beacons are known and still no pose came of them: too few are heard together.
-    for (std::size_t b = 0; b < problem.site.beacons.size(); ++b)
-      direction.parameters.push_back(owner_name(parameters::beacon_delay(b), site_names));
-    names = site_names.beacons;
-    direction.description =
-        fmt::format("any pose of the vehicle from beacons {}: no epoch hears enough of them at once",
-                    fmt::join(names, ", "));
-  } else {
-    direction.description = fmt::format("any pose of the vehicle, and with it the positions of beacons {}",
-                                        fmt::join(names, ", "));
-  }
-  direction.remedy =
+  for (const std::size_t b : lost.empty() ? all : lost) names.push_back(problem.site.beacons[b].name);
+  // All beacons may be known and still no pose come of them: too few are heard together.
+  return refused_poses(
+      problem, lost.empty() ? all : lost,
+      lost.empty()
+          ? fmt::format("any pose of the vehicle from beacons {}: no epoch hears enough of them at once",
+                        fmt::join(names, ", "))
+          : fmt::format("any pose of the vehicle, and with it the positions of beacons {}",
+                        fmt::join(names, ", ")),
       "give approximate positions of three beacons that do not stand in line with the path, or measured "
-      "poses of the vehicle";
-  direction.blocking = true;
-  return refused(std::move(direction));
+      "poses of the vehicle");
 }
 
 /// Beacons that all stand in a line: no pose is told from its image in it.
 Solution without_a_side(const Problem& problem, const PlacedArrivals& n) {
-  WeakDirection direction;
-  const NameTable site_names = names_of(problem.site);
-  for (std::size_t b = 0; b < problem.site.beacons.size(); ++b)
-    direction.parameters.push_back(owner_name(parameters::beacon_delay(b), site_names));
-  direction.description = fmt::format(
-      "the poses of the vehicle ({} of {} arrivals have none): beacons {} stand in one line, and the image "
-      "of "
-      "each pose in it explains the arrivals as well",
-      n.all - n.placed, n.all, fmt::join(site_names.beacons, ", "));
-  direction.remedy =
+  std::vector<std::size_t> all(problem.site.beacons.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return refused_poses(
+      problem, all,
+      fmt::format("the poses of the vehicle ({} of {} arrivals have none): beacons {} stand in one line, and "
+                  "the image of each pose in it explains the arrivals as well",
+                  n.all - n.placed, n.all, fmt::join(names_of(problem.site).beacons, ", ")),
       "add a beacon beside that line, record odometry or poses of the vehicle, or use receivers that tell "
       "left "
-      "from right";
-  direction.blocking = true;
-  return refused(std::move(direction));
+      "from right");
 }
 
 }  // namespace
 
-std::optional<Solution> without_poses(const Problem& problem, const ParameterLayout& layout,
-                                      const std::vector<bool>& beacon_found,
-                                      const std::vector<Trajectory>& trajectories, double least_share) {
-  const PlacedArrivals n = placed_of(trajectories);
+std::optional<Solution> without_poses(const Problem& problem, const AdjustedLog& log, double least_share) {
+  const PlacedArrivals n = placed_of(log.trajectories);
   const bool are_few = static_cast<double>(n.placed) < least_share * static_cast<double>(n.all);
   const bool all_held = are_all_held(problem.site);
   if (n.any_state && !(are_few && all_held)) return std::nullopt;
-  if (all_held && is_known_in_line(problem, layout, trajectories)) return without_a_side(problem, n);
-  return without_any_pose(problem, beacon_found);
+  if (all_held && is_known_in_line(problem, log)) return without_a_side(problem, n);
+  return without_any_pose(problem, log.estimate.beacon_usable);
 }
 
 }  // namespace octant::calib

@@ -3,11 +3,9 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
+#include "calib/adjust/estimate.h"
 #include "calib/calibrate.h"
-#include "calib/problem/parameters.h"
-#include "calib/problem/problem.h"
 
 namespace octant::calib {
 
@@ -19,11 +17,8 @@ namespace octant::calib {
 
 /// Refused where no pose of the vehicle was found, or, all beacons being held, none for most of the arrivals:
 /// what is calibrated then hangs on the few that chance placed. None: enough was found.
-/// @param beacon_found  those that were placed
 /// @param least_share  of the arrivals of held beacons that have to have a pose
-[[nodiscard]] std::optional<Solution> without_poses(const Problem& problem, const ParameterLayout& layout,
-                                                    const std::vector<bool>& beacon_found,
-                                                    const std::vector<Trajectory>& trajectories,
+[[nodiscard]] std::optional<Solution> without_poses(const Problem& problem, const AdjustedLog& log,
                                                     double least_share);
 
 }  // namespace octant::calib

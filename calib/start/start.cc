@@ -46,7 +46,6 @@ class Starter {
     start_.state = prior_state(site_);
     start_.trajectories = problem.trajectories;
     start_.beacon_found.assign(site_.beacons.size(), false);
-    start_.beacon_mirrored.assign(site_.beacons.size(), false);
   }
 
   Start run() {
@@ -78,7 +77,7 @@ class Starter {
 
   void start_cold() {
     // With some beacons known the frame is theirs; a second one would not agree with it.
-    if (std::count(start_.beacon_found.begin(), start_.beacon_found.end(), true) > 0) return;
+    if (std::ranges::count(start_.beacon_found, true) > 0) return;
     ColdStart cold = start_from_odometry(problem_, start_.trajectories);
     if (!cold.ok)
       cold = start_from_array(problem_, start_.state, start_.trajectories, start_.beacon_found,
@@ -122,7 +121,7 @@ class Starter {
   std::size_t place_all() {
     const EpochFixModel model = search_model(problem_, start_.state, start_.beacon_found);
     std::size_t placed = 0;
-    if (std::count(start_.beacon_found.begin(), start_.beacon_found.end(), true) < 2) return 0;
+    if (std::ranges::count(start_.beacon_found, true) < 2) return 0;
     for (Trajectory& t : start_.trajectories)
       placed += place_states(t, model, start_.uncertainty_m, false, 0.0, threads_);
     return placed;
@@ -148,7 +147,6 @@ class Starter {
     if (!place.ok) return false;
     start_.state.beacon_p_map_m[b] = place.p_map_m;
     start_.beacon_found[b] = true;
-    start_.beacon_mirrored[b] = place.has_mirror;
     if (options.above && !options.held[2])
       start_.warnings.push_back(fmt::format(
           "beacon {}: its height is unknown; assumed to lie above the receivers", site_.beacons[b].name));
@@ -220,7 +218,7 @@ std::size_t place_states(Trajectory& t, const EpochFixModel& model, double uncer
                          double suspect_sigmas, int threads) {
   std::size_t placed = 0;
   if (t.moving && (!t.odometry.empty() || t.motion_prior)) {
-    const bool all = std::all_of(t.nodes.begin(), t.nodes.end(), [](const Node& n) { return n.placed; });
+    const bool all = std::ranges::all_of(t.nodes, [](const Node& n) { return n.placed; });
     if (all && (!again || !t.poses.empty())) return 0;
     TrackerOptions options;
     options.range_uncertainty_m = uncertainty_m;

@@ -17,7 +17,6 @@ struct Start {
   SharedState state;
   std::vector<Trajectory> trajectories;  ///< nodes placed where a start was found
   std::vector<bool> beacon_found;        ///< position known well enough to begin with
-  std::vector<bool> beacon_mirrored;     ///< a second position explains its ranges and bearings as well
   double uncertainty_m = 0.0;            ///< how far predicted ranges may be off at the start
   std::vector<std::string> warnings;
 };

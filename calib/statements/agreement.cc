@@ -40,15 +40,12 @@ constexpr std::size_t kFewestOfAReceiver = 20;
 constexpr std::size_t kFewestPlaces = 5;
 
 /// Arrivals that were placed, of a beacon or at a receiver, and bearings of a beacon.
-struct HeardCounts {
-  std::size_t placed = 0, late = 0, early = 0, bearings = 0, bearings_out = 0;
+struct HeardCounts : RejectionCounts {
+  std::size_t placed = 0, bearings = 0, bearings_out = 0;
   explicit HeardCounts(const RejectionCounts& arrivals)
-      : placed(arrivals.all() - arrivals.of(Rejection::kNoPose) - arrivals.of(Rejection::kBeaconUnusable)),
-        late(arrivals.of(Rejection::kLate)),
-        early(arrivals.of(Rejection::kEarly)) {}
-  [[nodiscard]] std::size_t out() const { return late + early; }
+      : RejectionCounts(arrivals), placed(all() - of(Rejection::kNoPose) - of(Rejection::kBeaconUnusable)) {}
   [[nodiscard]] double share() const {
-    return placed > 0 ? static_cast<double>(out()) / static_cast<double>(placed) : 0.0;
+    return placed > 0 ? static_cast<double>(outliers()) / static_cast<double>(placed) : 0.0;
   }
 };
 
@@ -137,7 +134,7 @@ class Checker {
   }
 
   [[nodiscard]] bool is_suspect(const HeardCounts& c, double share, double beyond_others) const {
-    return c.out() >= kFewestLeftOut && c.share() >= std::max(share, beyond_others * usual_);
+    return c.outliers() >= kFewestLeftOut && c.share() >= std::max(share, beyond_others * usual_);
   }
 
   void beacons() {
@@ -148,8 +145,9 @@ class Checker {
       if (c.bearings >= 10 && 2 * c.bearings_out > c.bearings) bearings_left_out(b);
       if (is_suspect(c, kSomeLeftOut, kBeyondOthersIfMoved)) suspects.push_back(b);
     }
-    std::ranges::sort(suspects,
-                      [this](std::size_t a, std::size_t b) { return counts_[a].out() > counts_[b].out(); });
+    std::ranges::sort(suspects, [this](std::size_t a, std::size_t b) {
+      return counts_[a].outliers() > counts_[b].outliers();
+    });
     for (std::size_t k = 0; k < suspects.size(); ++k) {
       const Places places = places_of(fit_, suspects[k]);
       if (k < kMostSplit && places.left_out >= kFewestPlaces && moved(suspects[k])) continue;
@@ -179,8 +177,8 @@ class Checker {
     const std::optional<Move> best = likeliest_move(b);
     if (!best || best->by_m.norm() < kMovedMatters * tolerance_m(problem_)) return false;
     // What was left out must come back, else the move is not what ails it.
-    const double left_out =
-        0.5 * options_.rejection_sigmas * options_.rejection_sigmas * static_cast<double>(counts_[b].out());
+    const double left_out = 0.5 * options_.rejection_sigmas * options_.rejection_sigmas *
+                            static_cast<double>(counts_[b].outliers());
     const double regained = (fit_.cost - best->cost) / left_out;
     if (regained < kRegained ||
         best->sigmas < growth_ * (regained < kMostRegained ? kMovedSigmas : kMovedSigmasIfRegained))
@@ -204,14 +202,14 @@ class Checker {
   void much_left_out(std::size_t b, const Places& places) {
     const HeardCounts& c = counts_[b];
     const std::string& name = problem_.site.beacons[b].name;
-    if (c.early >= kFewestLeftOut && places.early >= kFewestPlaces &&
+    if (c.of(Rejection::kEarly) >= kFewestLeftOut && places.early >= kFewestPlaces &&
         static_cast<double>(places.early) > kManyEarly * static_cast<double>(places.heard) &&
-        static_cast<double>(c.early) > kManyEarly * static_cast<double>(c.placed) &&
-        (c.early > c.late || c.share() > kMostLeftOut)) {
+        static_cast<double>(c.of(Rejection::kEarly)) > kManyEarly * static_cast<double>(c.placed) &&
+        (c.of(Rejection::kEarly) > c.of(Rejection::kLate) || c.share() > kMostLeftOut)) {
       const double expected = std::max(1.0, 0.01 * static_cast<double>(places.heard));
       out_.contradictions.push_back(
           {ContradictionKind::kBeacon, name, "to be heard along the straight path",
-           fmt::format("early at {} of {} arrivals, as no echo can be", c.early, c.placed),
+           fmt::format("early at {} of {} arrivals, as no echo can be", c.of(Rejection::kEarly), c.placed),
            (static_cast<double>(places.early) - expected) / std::sqrt(expected),
            fmt::format(
                "look whether beacon {} stood still, whether another sends under its name, and at its channel",
@@ -222,7 +220,7 @@ class Checker {
         fmt::format("beacon {}: {} of {} arrivals do not fit where the others have it ({} late, {} early), "
                     "far more than of other beacons; look for "
                     "what stands in its way or reflects it",
-                    name, c.out(), c.placed, c.late, c.early));
+                    name, c.outliers(), c.placed, c.of(Rejection::kLate), c.of(Rejection::kEarly)));
   }
 
   void bearings_left_out(std::size_t b) {
@@ -244,8 +242,7 @@ class Checker {
     const double usual = usual_share(counts);
     for (std::size_t r = 0; r < counts.size(); ++r) {
       const HeardCounts& c = counts[r];
-      const SiteReceiver& receiver = problem_.site.receivers[r];
-      const std::string name = problem_.site.vehicles[receiver.vehicle.index()].name + "/" + receiver.name;
+      const std::string name = receiver_path(r, names_of(problem_.site));
       if (c.placed < kFewestOfAReceiver || said(name) ||
           c.share() < std::max(kMostOfAReceiver, kBeyondOthers * usual))
         continue;
@@ -253,11 +250,11 @@ class Checker {
           {ContradictionKind::kReceiver, name, "at its place on the vehicle",
            fmt::format(
                "{} of {} of its arrivals to fit neither that place nor one near it ({} late, {} early)",
-               c.out(), c.placed, c.late, c.early),
+               c.outliers(), c.placed, c.of(Rejection::kLate), c.of(Rejection::kEarly)),
            0.0,
            fmt::format(
                "measure the place of receiver {} on the vehicle again, and look at its cable and channel",
-               receiver.name)});
+               problem_.site.receivers[r].name)});
     }
   }
 

@@ -3,7 +3,6 @@
 #include "calib/statements/hints.h"
 
 #include <algorithm>
-#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,8 +10,6 @@
 
 #include "calib/plan/check.h"
 #include "calib/problem/subsample.h"
-#include "calib/readings/readings.h"
-#include "calib/readings/seems_misread.h"
 
 namespace octant::calib {
 namespace {
@@ -44,29 +41,6 @@ MeasurementLog some_blocks(const MeasurementLog& run) {
 /// Said of blocks it would be of the pauses between them, or of what they happen not to hold.
 bool needs_all(const Finding& f) {
   return f.kind == "gap" || f.kind == "constant" || f.kind == "temperature";
-}
-
-/// Where much is left out, and not as echoes are late, something that was stated is wrong, whatever it is.
-std::optional<Contradiction> early_beyond_chance(const Problem& problem, const Solution& solution) {
-  constexpr double kMuchLeftOut = 0.3, kMuchEarly = 0.1;
-  if (solution.status != SolveStatus::kConverged) return {};
-  std::size_t all = 0, out = 0, early = 0;
-  for (const MeasurementLog& run : problem.runs) all += run.arrivals.size();
-  for (const LeftOut& l : solution.left_out) {
-    out += is_outlier(l.reason);
-    early += l.reason == Rejection::kEarly;
-  }
-  const auto rows = static_cast<double>(all);
-  if (static_cast<double>(out) < kMuchLeftOut * rows || static_cast<double>(early) < kMuchEarly * rows)
-    return {};
-  return Contradiction{
-      ContradictionKind::kLog,
-      "as a whole",
-      "heard along straight paths",
-      fmt::format("{} of {} arrivals not to fit, {} of them early, as no echo can be", out, all, early),
-      0.0,
-      "look at the places of control points and receivers, at which is wired as which, and at labels, units "
-      "and frames; then calibrate again"};
 }
 
 }  // namespace
@@ -126,23 +100,6 @@ std::vector<Finding> outcome_hints(const Problem& problem, const Solution& solut
   std::vector<Trajectory> sample;
   for (const Trajectory& t : solution.trajectories) sample.push_back(some_segments(t, stride));
   return suspicions(Adjusted{problem.site, solution.state, sample, static_cast<double>(stride)}, runs);
-}
-
-void explain(const Problem& problem, const Problem& adjusted, Solution& solution,
-             const SolveOptions& options) {
-  const bool misread = seems_misread(adjusted, solution);
-  if (!misread && solution.contradictions.empty()) return;
-  std::vector<Contradiction> found = misread ? find_misreadings(problem, solution, options)
-                                             : find_other_culprits(problem, solution, options);
-  if (found.empty()) {
-    if (auto early = early_beyond_chance(adjusted, solution); early && solution.contradictions.empty())
-      solution.contradictions.push_back(std::move(*early));
-    return;
-  }
-  solution.contradictions = std::move(found);
-  if (solution.status != SolveStatus::kUndetermined) return;
-  solution.message = "the recordings do not fit what was stated, and nothing is exported";
-  solution.weak.clear();
 }
 
 }  // namespace octant::calib

@@ -13,7 +13,6 @@
 #include "calib/errors/statistics.h"
 #include "calib/errors/whiteness.h"
 #include "models/support/unit_diagonal.h"
-#include "models/trajectory/linearise.h"
 
 namespace octant::calib {
 namespace {
@@ -68,11 +67,8 @@ bool reject_and_adjust_again(const SolveOptions& options, Fit& fit) {
 Fit fit_of(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
            const std::vector<Trajectory>& trajectories) {
   Fit fit;
+  static_cast<Estimate&>(fit) = estimate;
   fit.problem = without_recordings(problem);
-  fit.layout = estimate.layout;
-  fit.x = estimate.x;
-  fit.last = estimate.last;
-  fit.beacon_usable = estimate.beacon_usable;
   std::size_t arrivals = 0;
   for (const Trajectory& t : trajectories) arrivals += t.arrivals.size();
   const std::size_t stride = arrivals / kMostArrivals + 1;
@@ -109,9 +105,8 @@ Eigen::MatrixXd inverse_of_information(const Eigen::MatrixXd& information, doubl
 
 Eigen::MatrixXd honest_covariance(const SolveOptions& options, const Fit& fit) {
   std::vector<Trajectory> trajectories = fit.trajectories;
-  Workers workers;
-  workers.threads = options.threads;
-  const Information information = information_at(fit.problem, fit.layout, trajectories, fit.x, {}, workers);
+  const Information information =
+      information_at(fit.problem, fit.layout, trajectories, fit.x, {.threads = options.threads});
   // Priors are no noise of the arrivals: only what the data say is worth less than their count.
   const double inflation = fit.noise_factor * fit.noise_factor * variance_inflation(fit, options.threads);
   const Eigen::MatrixXd total = information.data / inflation + information.prior;

@@ -10,21 +10,15 @@
 
 namespace octant::calib {
 
-/// One adjustment under a hypothesis on what was stated: the same arrivals, other statements believed.
-struct Fit {
-  bool ok = false;  ///< converged
-  Problem problem;  ///< site as believed, no recordings
-  ParameterLayout layout;
-  Eigen::VectorXd x;
+/// One adjustment under a hypothesis on what was stated: the same arrivals, other statements believed. Its
+/// noise factor is over the noise that all fits of a comparison share.
+struct Fit : Estimate {
+  bool ok = false;                       ///< converged
+  Problem problem;                       ///< site as believed, no recordings
   std::vector<Trajectory> trajectories;  ///< solved at x, outliers rejected
-  AdjustResult last;
-  std::vector<bool> beacon_usable;
-  /// 1/2 the squares of everything at the noise that all fits of a comparison share, each arrival left out
+  /// 1/2 the squares of everything at that noise, each arrival left out
   /// counted with the squares at which it would have been: lower explains more.
   double cost = 0.0;
-  double noise_factor = 1.0;  ///< noise as this fit finds it, over that of the comparison
-
-  [[nodiscard]] SharedState state() const { return layout.state_of(x); }
 };
 
 /// The estimate of a calibration as a fit. Of long logs an evenly spread part (of all of their arrivals some

@@ -3,7 +3,6 @@
 #include "calib/statements/statement.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace octant::calib {
 
@@ -89,23 +88,18 @@ constexpr double kReleasedSpeed_mps = 30.0;
 ParameterLayout StatedSite::layout_without(const std::vector<Statement>& released, const SharedState& state,
                                            Problem& problem) const {
   problem.site = site();
+  std::vector<std::size_t> distances;
+  Timing& timing = problem.site.timing;
   for (const Statement& s : released) {
     if (s.what == What::kControlPoint) problem.site.beacons[s.index].sigma_m = {};
-    if (s.what == What::kNoDelays) {
-      problem.site.timing.delay_per = {.beacon = true};
-      problem.site.timing.delay_sigma_s = 1.0;
-      for (SiteBeacon& b : problem.site.beacons) b.delay_sigma_s.reset();
-    }
-  }
-  for (const Statement& s : released)
-    if (s.what == What::kOneDelay) {
-      problem.site.timing.delay_per.beacon = true;
-    } else if (s.what == What::kHeldSpeed) {
-      problem.site.speed_sigma_mps = kReleasedSpeed_mps;
-    }
-  std::vector<std::size_t> distances;
-  for (const Statement& s : released)
+    if (s.what == What::kHeldSpeed) problem.site.speed_sigma_mps = kReleasedSpeed_mps;
     if (s.what == What::kDistance) distances.push_back(s.index);
+    if (s.what == What::kOneDelay) timing.delay_per.beacon = true;
+    if (s.what != What::kNoDelays) continue;
+    timing.delay_per = {.beacon = true};
+    timing.delay_sigma_s = 1.0;
+    for (SiteBeacon& b : problem.site.beacons) b.delay_sigma_s.reset();
+  }
   std::sort(distances.rbegin(), distances.rend());
   for (const std::size_t d : distances)
     problem.site.distances.erase(problem.site.distances.begin() + static_cast<std::ptrdiff_t>(d));
@@ -115,10 +109,10 @@ ParameterLayout StatedSite::layout_without(const std::vector<Statement>& release
   for (std::size_t b = 0; b < layout.beacon.size(); ++b)
     for (std::size_t i = 0; i < 3; ++i)
       if (const int old = layout_.beacon[b][i], c = layout.beacon[b][i]; old >= 0 && c >= 0)
-        layout.parameters[static_cast<std::size_t>(c)] = layout_.parameters[static_cast<std::size_t>(old)];
+        layout.parameter(c) = layout_.parameter(old);
   for (const Statement& s : released)
     for (const int c : columns_of(s, layout)) {
-      Parameter& p = layout.parameters[static_cast<std::size_t>(c)];
+      Parameter& p = layout.parameter(c);
       p.prior_mean = value(s, layout, c);
       p.prior_sigma = wide_sigma(s);
     }
@@ -130,7 +124,7 @@ double StatedSite::value(const Statement& s, const ParameterLayout& layout, int 
     for (std::size_t i = 0; i < 3; ++i)
       if (layout.beacon[s.index][i] == column) return *site().beacons[s.index].position_m[i];
   }
-  const Parameter& p = layout.parameters[static_cast<std::size_t>(column)];
+  const Parameter& p = layout.parameter(column);
   // The prior mean stands on the beacons then.
   if (s.what == What::kOneDelay) return beacon_delay_prior(site(), p.id.owner).value / p.si_per_unit;
   // Where receivers or the site hold the delay, those of the beacons come on top of it.
@@ -141,7 +135,7 @@ double StatedSite::value(const Statement& s, const ParameterLayout& layout, int 
 }
 
 double StatedSite::sigma(const Statement& s, const ParameterLayout& layout, int column) const {
-  const ParameterId& id = layout.parameters[static_cast<std::size_t>(column)].id;
+  const ParameterId& id = layout.parameter(column).id;
   if (is_held(s)) return 0.0;
   for (const Parameter& p : layout_.parameters)
     if (p.id == id) return p.prior_sigma;

@@ -48,11 +48,7 @@ class StatementWords {
   /// Two control points that were found at each other's places.
   void join_exchanged(const std::vector<Statement>& culprits, std::vector<Contradiction>& found) const {
     const SharedState state = fit_.state();
-    const auto place = [&](std::size_t b) {
-      return Eigen::Vector3d(*stated_.site().beacons[b].position_m[0],
-                             *stated_.site().beacons[b].position_m[1],
-                             *stated_.site().beacons[b].position_m[2]);
-    };
+    const auto place = [&](std::size_t b) { return *stated_.site().beacons[b].place_m(); };
     for (std::size_t i = 0; i < culprits.size(); ++i)
       for (std::size_t j = i + 1; j < culprits.size(); ++j) {
         if (culprits[i].what != What::kControlPoint || culprits[j].what != What::kControlPoint) continue;
@@ -92,7 +88,7 @@ class StatementWords {
     std::string names;
     for (const Statement& s : culprits) {
       const SiteBeacon& b = site.beacons[s.index];
-      here.emplace_back(*b.position_m[0], *b.position_m[1], *b.position_m[2]);
+      here.push_back(*b.place_m());
       there.push_back(on_stated_side(here.back(), state.beacon_p_map_m[s.index]));
       higher_m += (there.back() - here.back()).z() / static_cast<double>(culprits.size());
       names += (names.empty() ? "" : ", ") + b.name;
@@ -126,8 +122,7 @@ class StatementWords {
     return std::abs(s) < 1e-6 ? fmt::format("{:.2f} ns", 1e9 * s) : fmt::format("{:.1f} us", 1e6 * s);
   }
   [[nodiscard]] std::string receiver_name(std::size_t r) const {
-    return stated_.site().vehicles[stated_.site().receivers[r].vehicle.index()].name + "/" +
-           stated_.site().receivers[r].name;
+    return receiver_path(r, names_of(stated_.site()));
   }
 
   [[nodiscard]] Eigen::Vector3d on_stated_side(const Eigen::Vector3d& stated, Eigen::Vector3d found) const {
@@ -139,8 +134,8 @@ class StatementWords {
 
   void describe_control_point(const Statement& s, const SharedState& state, Contradiction& c) const {
     const SiteBeacon& b = stated_.site().beacons[s.index];
-    const Eigen::Vector3d stated(*b.position_m[0], *b.position_m[1], *b.position_m[2]),
-        found = on_stated_side(stated, state.beacon_p_map_m[s.index]);
+    const Eigen::Vector3d stated = *b.place_m(),
+                          found = on_stated_side(stated, state.beacon_p_map_m[s.index]);
     c.kind = ContradictionKind::kControlPoint;
     c.subject = b.name;
     c.stated = fmt::format("at {}, held fixed", point(stated));
@@ -252,8 +247,7 @@ class StatementWords {
   void describe_attenuation(const Statement& s, Contradiction& c) const {
     const ParameterId id = parameters::attenuation(s.index);
     const int column = fit_.layout.column_of(id);
-    const Parameter& p =
-        stated_.layout().parameters[static_cast<std::size_t>(stated_.layout().column_of(id))];
+    const Parameter& p = stated_.layout().parameter(stated_.layout().column_of(id));
     c.kind = ContradictionKind::kAttenuation;
     c.subject = parameter_name(p.id, names_of(stated_.site()));
     c.stated =

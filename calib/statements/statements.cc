@@ -113,7 +113,7 @@ class StatementTest {
     const Eigen::VectorXd x = wide.vector_of(now_.state());
     const SharedState state = wide.state_of(x);
     const Information information =
-        information_at(problem, wide, trajectories, x, {}, {.threads = options_.threads});
+        information_at(problem, wide, trajectories, x, {.threads = options_.threads});
     const double noise2 = std::max(1e-12, now_.noise_factor * now_.noise_factor);
     std::vector<int> free;
     std::vector<bool> held_column(static_cast<std::size_t>(wide.size()), false);
@@ -169,7 +169,7 @@ class StatementTest {
     d.v.resize(static_cast<Eigen::Index>(columns.size()));
     d.covariance.resize(d.v.size(), d.v.size());
     for (std::size_t i = 0; i < columns.size(); ++i) {
-      const Parameter& p = layout.parameters[static_cast<std::size_t>(columns[i])];
+      const Parameter& p = layout.parameter(columns[i]);
       if (!has_prior(p)) return 0.0;
       const auto row = static_cast<Eigen::Index>(i);
       d.v[row] = x[columns[i]] - p.prior_mean;
@@ -218,29 +218,25 @@ class StatementTest {
 
   [[nodiscard]] std::optional<Culprit> next_culprit() const {
     std::optional<Culprit> best;
-    for (const Suspect& suspect : suspects()) {
-      Culprit c{suspect.statement, released(suspect.statement), 0.0};
-      if (!c.fit.ok || !(c.fit.cost < now_.cost)) continue;
-      if (best && !(c.fit.cost < best->fit.cost)) continue;
-      const Difference d = difference(suspect.statement, c.fit);
-      if (!is_contradicted(d)) continue;
-      c.sigmas = d.sigmas();
-      best = std::move(c);
-    }
-    if (best)
-      for (const Statement& cause : stated_.common_causes()) prefer_cause(cause, *best);
+    for (const Suspect& suspect : suspects())
+      if (auto c = culprit(suspect.statement, best ? best->fit.cost : now_.cost)) best = std::move(c);
+    if (!best) return best;
+    // A wrong delay or speed of all bends what it can reach, and a good control point is the one to be
+    // blamed.
+    for (const Statement& cause : stated_.common_causes())
+      if (!is_released(cause))
+        if (auto c = culprit(cause, best->fit.cost - kPlainlyBetter)) best = std::move(c);
     return best;
   }
 
-  /// A wrong delay or speed of all bends what it can reach, and a good control point is the one to be blamed.
-  void prefer_cause(const Statement& cause, Culprit& best) const {
-    if (is_released(cause)) return;
-    Culprit c{cause, released(cause), 0.0};
-    if (!c.fit.ok || !(c.fit.cost + kPlainlyBetter < best.fit.cost)) return;
-    const Difference d = difference(cause, c.fit);
-    if (!is_contradicted(d)) return;
+  /// A statement, where its release costs less than another explanation and it is contradicted then.
+  [[nodiscard]] std::optional<Culprit> culprit(const Statement& s, double other_cost) const {
+    Culprit c{s, released(s), 0.0};
+    if (!c.fit.ok || !(c.fit.cost < other_cost)) return {};
+    const Difference d = difference(s, c.fit);
+    if (!is_contradicted(d)) return {};
     c.sigmas = d.sigmas();
-    best = std::move(c);
+    return c;
   }
 
   [[nodiscard]] Fit released(const Statement& s) const {

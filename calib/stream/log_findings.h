@@ -4,19 +4,16 @@
 
 #include <cstdint>
 #include <map>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "calib/errors/statistics.h"
-#include "calib/errors/whiteness.h"
-#include "calib/log/calibration_log.h"
-#include "calib/problem/log_buffer.h"
 #include "calib/problem/log_totals.h"
+#include "calib/verdict/conclude.h"
 
 namespace octant::calib {
 
-struct GatheredFindings : LogFindings {
+struct GatheredFindings : Findings {
   std::vector<std::vector<Arrival>> arrivals;  ///< of each run, those of the states at hand
 };
 
@@ -53,24 +50,13 @@ class FindingsGatherer {
  private:
   /// Of a run and a vehicle.
   struct GatheredTrajectory {
-    std::vector<PairSeries> series;
     std::vector<std::int64_t> flipped;
     std::size_t stateless = 0;  ///< arrivals
     int stateless_line = 0;     ///< of the first of them
     Trajectory some;
   };
 
-  void write_counts(const TrajectoryFindings& part, BufferWriter& buffer) const;
-  static void write_stateless(const TrajectoryFindings& part, BufferWriter& buffer);
-  void write_series(const Trajectory& t, BufferWriter& buffer) const;
-  void write_bearings(const Trajectory& t, BufferWriter& buffer) const;
-  void write_extent(const TrajectoryFindings& part, BufferWriter& buffer) const;
   void leave_out_bearings_of_no_state();
-  void read_counts(BufferReader& buffer);
-  static void read_stateless(GatheredTrajectory& of, BufferReader& buffer);
-  static void read_series(std::vector<PairSeries>& series, BufferReader& buffer);
-  void read_bearings(BufferReader& buffer);
-  void read_extent(BufferReader& buffer);
 
   const Problem& frame_;
   TrajectoryModel model_;

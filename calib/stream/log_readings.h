@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "calib/adjust/over_ranks.h"
 #include "calib/adjust/reject.h"
 #include "calib/problem/ranges.h"
 #include "calib/problem/subsample.h"
@@ -19,32 +20,6 @@
 #include "models/support/result.h"
 
 namespace octant::calib {
-
-/// Evenly spread arrivals of a log, as many as agreeing_sigma() and typical_range_m() look at.
-class SpreadArrivals {
- public:
-  SpreadArrivals(std::size_t arrivals, SharedState at_estimate, SharedState prior)
-      : every_residual_(arrivals / kResiduals + 1),
-        every_range_(arrivals / kRanges + 1),
-        state_(std::move(at_estimate)),
-        prior_(std::move(prior)) {}
-
-  /// Collects a range before its state has a place. @param number  of the arrival in the log
-  void add_range(std::size_t number, const Trajectory& t, const ArrivalObservation& a,
-                 std::vector<double>& ranges_m) const {
-    if (number % every_range_ == 0) ranges_m.push_back(prior_range_m(t, a, prior_));
-  }
-  void add_residual(std::size_t number, const Trajectory& t, const ArrivalObservation& a,
-                    std::vector<double>& residuals) const {
-    if (number % every_residual_ == 0 && a.rejection == Rejection::kUsed && t.nodes[a.node].placed)
-      residuals.push_back(std::abs(arrival_residual(t, a, state_)));
-  }
-
- private:
-  static constexpr std::size_t kResiduals = 200000, kRanges = 50000;
-  std::size_t every_residual_, every_range_;
-  SharedState state_, prior_;
-};
 
 /// A log that is read again for each look at it. Errors of all: those of reading, Errc::kInterrupted where
 /// the course is to stop.
@@ -113,5 +88,44 @@ struct ReadingTask {
   int workers = 1;
   std::size_t arrivals = 0;  ///< of the whole log, stops and drives, that a state carries
 };
+
+/// Evenly spread arrivals of the parts of a log, as many as agreeing_sigma() and typical_range_m() look at.
+class SpreadArrivals {
+ public:
+  SpreadArrivals(const ReadingTask& task, SharedState at_estimate, std::size_t parts)
+      : every_residual_(task.arrivals / kResiduals + 1),
+        every_range_(task.arrivals / kRanges + 1),
+        state_(std::move(at_estimate)),
+        prior_(prior_state(task.frame.site)),
+        residuals_(parts),
+        ranges_m_(parts) {}
+
+  /// Collects a range before its state has a place. @param number  of the arrival in the log
+  void add_range(std::size_t part, std::size_t number, const Trajectory& t, const ArrivalObservation& a) {
+    if (number % every_range_ == 0) ranges_m_[part].push_back(prior_range_m(t, a, prior_));
+  }
+  void add_residual(std::size_t part, std::size_t number, const Trajectory& t, const ArrivalObservation& a) {
+    if (number % every_residual_ == 0 && a.rejection == Rejection::kUsed && t.nodes[a.node].placed)
+      residuals_[part].push_back(std::abs(arrival_residual(t, a, state_)));
+  }
+  /// Those of all ranks, in the order of the parts.
+  [[nodiscard]] LogReadings::Placed placed(const Ranks* ranks) && {
+    return {in_order(ranks, std::move(residuals_)), in_order(ranks, std::move(ranges_m_)), 0, {}};
+  }
+
+ private:
+  static constexpr std::size_t kResiduals = 200000, kRanges = 50000;
+  std::size_t every_residual_, every_range_;
+  SharedState state_, prior_;
+  std::vector<std::vector<double>> residuals_, ranges_m_;
+};
+
+/// The noise of trajectories that were just read is as it was found.
+inline void take_noise(const Problem& frame, const Estimate& estimate,
+                       std::vector<Trajectory>& trajectories) {
+  const double stated_s = frame.site.noise.tof_sigma_s;
+  rescale_noise(trajectories, stated_s, stated_s * estimate.noise_factor);
+  rescale_poses(trajectories, estimate.pose_factor);
+}
 
 }  // namespace octant::calib

@@ -3,11 +3,8 @@
 #include "calib/stream/long_log.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
-
-#include <Eigen/Cholesky>
 
 #include "calib/adjust/reject.h"
 #include "calib/adjust/tile_sum.h"
@@ -185,6 +182,10 @@ Result<MeasurementLog> subsample_of_stops(std::size_t run, const Site& site, con
   return subsample(sample, site, all);
 }
 
+namespace {
+
+/// Linear ranges, solved in lanes; epochs in which an arrival then disagrees by more than `suspect_sigmas`
+/// are searched as any other. Marks all arrivals used.
 void place_all_stops(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
                      const std::vector<bool>& usable, double suspect_sigmas, const Workers& workers,
                      std::vector<Trajectory>& trajectories) {
@@ -216,6 +217,8 @@ void place_all_stops(const Problem& problem, const ParameterLayout& layout, cons
   }
   readmit_all(trajectories, usable);
 }
+
+}  // namespace
 
 void place_all_drives(const Problem& problem, const SharedState& state, const std::vector<bool>& usable,
                       int threads, std::vector<Trajectory>& trajectories) {

@@ -34,13 +34,6 @@ void place_all(const Problem& problem, const ParameterLayout& layout, const Shar
                const std::vector<bool>& beacon_usable, double suspect_sigmas, const Workers& workers,
                std::vector<Trajectory>& trajectories);
 
-/// Places all states of a long log whose shared parameters are known but for the noise: linear ranges,
-/// solved in lanes; epochs in which an arrival then disagrees by more than `suspect_sigmas` are searched as
-/// any other. Marks all arrivals used.
-void place_all_stops(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
-                     const std::vector<bool>& beacon_usable, double suspect_sigmas, const Workers& workers,
-                     std::vector<Trajectory>& trajectories);
-
 /// Places all states of long drives whose shared parameters are known but for the noise, as `localize` does;
 /// those of measured poses are solved. Marks all arrivals used.
 void place_all_drives(const Problem& problem, const SharedState& state,

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <map>
 #include <mutex>
-#include <utility>
 
 #include "calib/adjust/tile.h"
 #include "calib/errors/statistics.h"

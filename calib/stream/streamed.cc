@@ -92,13 +92,13 @@ class StreamedLog : public CalibrationLog {
     if (estimate.last.data_information) *estimate.last.data_information /= std::pow(factors.arrivals, 2);
   }
 
-  Result<LogFindings> findings(const Estimate& estimate) override {
+  Result<Findings> findings(const Estimate& estimate) override {
     FindingsGatherer gatherer(frame_, estimate, states_);
     if (auto gathered = readings_.gather(estimate, gatherer); !gathered) return fail(gathered.error());
     GatheredFindings all = std::move(gatherer).findings(estimate);
     for (std::size_t run = 0; run < frame_.runs.size(); ++run)
       frame_.runs[run].arrivals = std::move(all.arrivals[run]);
-    return LogFindings(std::move(all));
+    return Findings(std::move(all));
   }
 
  private:

@@ -9,6 +9,7 @@
 
 #include "calib/errors/reliability.h"
 #include "calib/errors/statistics.h"
+#include "calib/errors/whiteness.h"
 #include "calib/problem/clock_check.h"
 #include "calib/problem/ranges.h"
 #include "calib/start/label_check.h"
@@ -28,12 +29,11 @@ bool may_be_directional(const Problem& problem, const std::vector<Trajectory>& t
   const Site& site = problem.site;
   if (!site.attenuation || site.attenuation->half_power_angle_rad.value > 0) return false;
   const auto measured = [](const Trajectory& t) {
-    return std::any_of(t.arrivals.begin(), t.arrivals.end(),
-                       [](const ArrivalObservation& a) { return a.log_amplitude_sigma > 0; });
+    return std::ranges::any_of(t.arrivals,
+                               [](const ArrivalObservation& a) { return a.log_amplitude_sigma > 0; });
   };
-  return std::any_of(site.receivers.begin(), site.receivers.end(),
-                     [](const SiteReceiver& r) { return r.axis.has_value(); }) &&
-         std::any_of(trajectories.begin(), trajectories.end(), measured);
+  return std::ranges::any_of(site.receivers, [](const SiteReceiver& r) { return r.axis.has_value(); }) &&
+         std::ranges::any_of(trajectories, measured);
 }
 
 /// Median over the parameters of how much larger the sigmas are than those of white noise.
@@ -50,9 +50,9 @@ double growth(const Solution& solution) {
   return solution.white_covariance.parameters.empty() ? 1.0 : std::max(1.0, growth_of_sigmas(solution));
 }
 
-void warn_of_correlation(const Findings& findings, Solution& solution) {
+void warn_of_correlation(const Estimate& estimate, const std::vector<Trajectory>& trajectories, int threads,
+                         Solution& solution) {
   const ErrorModel& errors = solution.errors;
-  const Whiteness& w = findings.whiteness;
   if (errors.correlated) {
     constexpr double kAsGood = 1.05;  // what two digits write as 1
     const double growth = growth_of_sigmas(solution);
@@ -69,7 +69,9 @@ void warn_of_correlation(const Findings& findings, Solution& solution) {
           "other ground, and sigmas will shrink",
           errors.freedoms);
     solution.warnings.push_back(std::move(warning));
-  } else if (!w.white) {
+  } else if (!is_dense(estimate.layout)) {
+    const Whiteness w = whiteness_of(trajectories, solution.state, threads);
+    if (w.white) return;
     solution.warnings.push_back(fmt::format(
         "residuals are no white noise (correlation between neighbours of a pair {:.2f}), and a site of so "
         "many unknowns has no model "
@@ -85,17 +87,15 @@ void allow_for_correlation(const Estimate& estimate, const Covariance& C,
   solution.errors = error_model_of(estimate.layout, trajectories, solution.state, C, share_of_log, threads);
   if (!solution.errors.correlated || solution.covariance.parameters.empty()) return;
   solution.white_covariance = solution.covariance;
-  Eigen::VectorXd si(estimate.layout.size());
-  for (Eigen::Index i = 0; i < si.size(); ++i)
-    si[i] = estimate.layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
+  const Eigen::VectorXd si = estimate.layout.si_per_unit();
   solution.covariance.matrix = si.asDiagonal() * solution.errors.covariance * si.asDiagonal();
 }
 
 /// Poses that are far better than stated say little of the arrivals' noise while they are taken for so bad.
 constexpr double kFarBetterPoses = 0.5;
 
-void warn_of_noise(const Problem& problem, const Findings& findings, const Estimate& estimate,
-                   const std::vector<Trajectory>& trajectories, Solution& solution) {
+void warn_of_noise(const Problem& problem, const Estimate& estimate,
+                   const std::vector<Trajectory>& trajectories, int threads, Solution& solution) {
   const CalibrationStatistics& s = solution.statistics;
   const double noise_factor = estimate.noise_factor;
   if (estimate.pose_factor < kFarBetterPoses)
@@ -114,7 +114,11 @@ void warn_of_noise(const Problem& problem, const Findings& findings, const Estim
         "amplitudes are assumed to be alike all round each receiver: where these hear less off their axes, "
         "state "
         "attenuation.half_power_angle_rad (half of the beam width at -3 dB, with a sigma)");
-  warn_of_correlation(findings, solution);
+  warn_of_correlation(estimate, trajectories, threads, solution);
+}
+
+SolveStatus status_of(const AdjustResult& last) {
+  return last.converged ? SolveStatus::kConverged : SolveStatus::kNotConverged;
 }
 
 std::string message_of(const AdjustResult& last) {
@@ -158,18 +162,17 @@ void tell_common_errors(const Problem& problem, Solution& solution) {
 }
 
 /// Covariance and verdict, and only these, from other weights of the observations.
-void judge_anew(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
+void judge_anew(const Problem& problem, const SolveOptions& options, Estimate estimate,
                 std::vector<Trajectory>& trajectories, Solution& solution) {
-  solution.status = estimate.last.converged ? SolveStatus::kConverged : SolveStatus::kNotConverged;
+  solution.status = status_of(estimate.last);
   solution.message = message_of(estimate.last);
   solution.covariance = {};
   solution.marginals = {};
   solution.beacon_status.clear();
   solution.weak.clear();
   solution.undetermined.clear();
-  static_cast<void>(judge(problem, estimate.layout, estimate.x, estimate.beacon_usable,
-                          estimate.beacon_mirrored, options.strict, trajectories, solution,
-                          options.workers()));
+  estimate.last.data_information.reset();  // which is of the subsampled log
+  static_cast<void>(judge(problem, options, estimate, trajectories, solution));
 }
 
 /// @param judged  set to where the warnings of the verdict are
@@ -186,15 +189,13 @@ void conclude_as_is(const Problem& problem, const SolveOptions& options, const E
   solution.statistics.variance_factor *= estimate.noise_factor * estimate.noise_factor;
   solution.statistics.chi2_p = chi_square_p(
       solution.statistics.variance_factor * solution.statistics.redundancy, solution.statistics.redundancy);
-  solution.status = last.converged ? SolveStatus::kConverged : SolveStatus::kNotConverged;
+  solution.status = status_of(last);
   solution.message = message_of(last);
   solution.datum = datum_of(problem);
   judged.first = solution.warnings.size();
   // What the data do not determine is often what keeps the iteration from settling, and then that is the
   // finding.
-  const Covariance C =
-      judge(problem, estimate.layout, estimate.x, estimate.beacon_usable, estimate.beacon_mirrored,
-            options.strict, trajectories, solution, options.workers(), last.data_information);
+  const Covariance C = judge(problem, options, estimate, trajectories, solution);
   judged.second = solution.warnings.size();
   solution.reliability = reliability_of(problem, estimate.layout, trajectories, solution.state, C,
                                         solution.beacon_status, estimate.noise_factor, options.threads,
@@ -216,7 +217,7 @@ void conclude_as_is(const Problem& problem, const SolveOptions& options, const E
   if (solution.contradictions.empty()) tell_common_errors(problem, solution);
   if (!solution.contradictions.empty())
     return;  // which tell the culprit; what follows would name the innocent
-  warn_of_noise(problem, findings, estimate, trajectories, solution);
+  warn_of_noise(problem, estimate, trajectories, options.threads, solution);
   for (std::string& warning : suspect_control_points(problem, solution.state, trajectories))
     solution.warnings.push_back(std::move(warning));
 }
@@ -224,10 +225,12 @@ void conclude_as_is(const Problem& problem, const SolveOptions& options, const E
 }  // namespace
 
 void conclude(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
-              Findings findings, std::vector<Trajectory>& trajectories, Solution& solution) {
+              Findings findings, Solution& solution) {
+  std::vector<Trajectory> trajectories = std::move(findings.trajectories);
   std::vector<Trajectory> as_complete = std::move(findings.as_complete);
   std::pair<std::size_t, std::size_t> judged;
   conclude_as_is(problem, options, estimate, std::move(findings), trajectories, solution, judged);
+  solution.trajectories = std::move(trajectories);
   if (as_complete.empty()) return;
   const auto begin = solution.warnings.begin();
   solution.warnings.erase(begin + static_cast<std::ptrdiff_t>(judged.first),

@@ -6,18 +6,19 @@
 #include <string>
 #include <vector>
 
-#include "calib/errors/whiteness.h"
 #include "calib/problem/log_totals.h"
 #include "calib/start/approach.h"
 #include "calib/verdict/left_out.h"
 
 namespace octant::calib {
 
-/// What all arrivals say of an estimate.
+/// What all arrivals of a log say of an estimate, and the states that the verdict looks at.
 struct Findings {
+  std::vector<Trajectory>
+      trajectories;  ///< solved, outliers rejected; all, or every so many-th stop or stretch
+  std::vector<std::string> warnings;
   CalibrationStatistics statistics;  ///< against the noise as found
-  Whiteness whiteness;
-  std::vector<std::string> flips;  ///< epochs that were turned, in words
+  std::vector<std::string> flips;    ///< epochs that were turned, in words
   LeftOutOfAll left_out;
   std::optional<LogTotals> totals;  ///< where the trajectories at hand are only a part of the log
   /// The trajectories of a subsampled log with the accuracy of all that they stand for: covariance and
@@ -26,10 +27,9 @@ struct Findings {
 };
 
 /// The end of a calibration: covariance, verdict, reliability and what is to be said of them; fills the
-/// solution, which has warnings and iterations already.
-/// @param trajectories  solved at the estimate, outliers rejected; all of them, or every so many-th epoch
+/// solution, which has warnings already.
 void conclude(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
-              Findings findings, std::vector<Trajectory>& trajectories, Solution& solution);
+              Findings findings, Solution& solution);
 
 /// Whether the residuals of arrivals that agree (reject.h) say that the noise is not what was assumed: only a
 /// gross departure counts before the rejection. What is left is for NoiseSearch (statistics.h).

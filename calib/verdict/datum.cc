@@ -57,8 +57,8 @@ Datum datum_of(const Problem& problem) {
     if (b.is_control_point()) datum.control_points.push_back(b.name);
     approximate += approximately_known(b);
   }
-  const bool poses = std::any_of(problem.runs.begin(), problem.runs.end(),
-                                 [](const MeasurementLog& r) { return !r.poses.empty(); });
+  const bool poses =
+      std::ranges::any_of(problem.runs, [](const MeasurementLog& r) { return !r.poses.empty(); });
   const std::size_t fixed = datum.control_points.size();
   const std::string priors = approximate > 0 ? "approximate beacon positions (priors)" : kFreeNetwork;
   datum.position = fixed >= 1 ? "control points" : poses ? "measured poses" : priors;
@@ -74,14 +74,12 @@ void set_free_network(Datum& datum) {
   describe(datum);
 }
 
-namespace {
-
 /// Motions whose information does not tell them to this share of the typical range.
 constexpr double kVagueDatum = 0.25;
 
 template <class Matrix>
-Eigen::MatrixXd unobservable_motions(const Problem& problem, const ParameterLayout& layout,
-                                     const SharedState& state, const Matrix& information) {
+Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
+                           const Matrix& information) {
   const Motion motion = problem.site.motion;
   Eigen::MatrixXd F = Eigen::MatrixXd::Zero(layout.size(), pose_dof(motion));
   for (std::size_t b = 0; b < layout.beacon.size(); ++b)
@@ -92,7 +90,7 @@ Eigen::MatrixXd unobservable_motions(const Problem& problem, const ParameterLayo
   if (layout.size() == 0 || qr.rank() == 0) return Eigen::MatrixXd(layout.size(), 0);
   const Eigen::MatrixXd Q = qr.basis(), NQ = information * Q;
   const SymmetricEigen<Eigen::MatrixXd> eigen(Q.transpose() * NQ);
-  const auto free_beacons = std::count_if(layout.beacon.begin(), layout.beacon.end(), [](const auto& c) {
+  const auto free_beacons = std::ranges::count_if(layout.beacon, [](const auto& c) {
     return std::max({c[0], c[1], c[2]}) >= 0;
   });
   // A unit motion moves each beacon by 1 / sqrt(beacons); positions given to a hundred metres carry no map
@@ -106,16 +104,9 @@ Eigen::MatrixXd unobservable_motions(const Problem& problem, const ParameterLayo
   return Q * eigen.eigenvectors().leftCols(unobservable);
 }
 
-}  // namespace
-
-Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
-                           const Eigen::MatrixXd& information) {
-  return unobservable_motions(problem, layout, state, information);
-}
-
-Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
-                           const Eigen::SparseMatrix<double>& information) {
-  return unobservable_motions(problem, layout, state, information);
-}
+template Eigen::MatrixXd free_datum(const Problem&, const ParameterLayout&, const SharedState&,
+                                    const Eigen::MatrixXd&);
+template Eigen::MatrixXd free_datum(const Problem&, const ParameterLayout&, const SharedState&,
+                                    const Eigen::SparseMatrix<double>&);
 
 }  // namespace octant::calib

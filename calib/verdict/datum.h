@@ -21,10 +21,9 @@ void set_free_network(Datum& datum);
 /// Motions of the whole map that nothing in a problem tells to better than a quarter of the typical range
 /// (planar: x, y, heading; spatial: six), as columns over the free parameters; orthonormal, none where the
 /// datum is fixed.
+/// @param information  dense or sparse
+template <class Matrix>
 [[nodiscard]] Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout,
-                                         const SharedState& state, const Eigen::MatrixXd& information);
-[[nodiscard]] Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout,
-                                         const SharedState& state,
-                                         const Eigen::SparseMatrix<double>& information);
+                                         const SharedState& state, const Matrix& information);
 
 }  // namespace octant::calib

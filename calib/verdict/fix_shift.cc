@@ -77,7 +77,7 @@ bool determines_a_place(const Trajectory& stop) {
   std::vector<std::size_t> beacons;
   for (const ArrivalObservation& a : stop.arrivals) beacons.push_back(a.beacon.index());
   for (const BearingObservation& b : stop.bearings) beacons.push_back(b.reflector.index());
-  std::sort(beacons.begin(), beacons.end());
+  std::ranges::sort(beacons);
   beacons.erase(std::unique(beacons.begin(), beacons.end()), beacons.end());
   return beacons.size() >= (stop.has_cycle_offset ? 4U : 3U) ||
          (beacons.size() == 2 && !stop.has_cycle_offset);

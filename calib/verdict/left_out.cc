@@ -29,21 +29,18 @@ std::vector<LeftOut> arrivals_of(const Trajectory& t, const SharedState& state) 
 
 /// Those of one run; a bearing that no state carries stands in no trajectory.
 std::vector<LeftOutBearing> bearings_of(const MeasurementLog& log, std::size_t run,
-                                        const std::vector<Trajectory>& trajectories,
-                                        const SharedState& state) {
+                                        const std::vector<Trajectory>& trajectories) {
   std::vector<LeftOutBearing> out;
   std::vector<std::uint8_t> carried(log.bearings.size(), 0);
   for (const Trajectory& t : trajectories) {
     if (t.run != run) continue;
-    for (std::size_t i = 0; i < t.bearings.size(); ++i) {
-      const BearingObservation& b = t.bearings[i];
+    for (const BearingObservation& b : t.bearings) {
       carried[b.bearing] = 1;
-      if (b.rejection == Rejection::kUsed) continue;
-      out.push_back({run, b.bearing, b.rejection, misfit_rad(t, i, state)});
+      if (b.rejection != Rejection::kUsed) out.push_back({run, b.bearing, b.rejection});
     }
   }
   for (std::size_t i = 0; i < carried.size(); ++i)
-    if (carried[i] == 0) out.push_back({run, i, Rejection::kNoPose, 0.0});
+    if (carried[i] == 0) out.push_back({run, i, Rejection::kNoPose});
   return out;
 }
 
@@ -83,19 +80,12 @@ void append(List& to, List&& from) {
 
 }  // namespace
 
-double misfit_rad(const Trajectory& t, std::size_t bearing, const SharedState& state) {
-  const BearingObservation& b = t.bearings[bearing];
-  const bool placed = is_outlier(b.rejection);
-  ObservationRow row;
-  return placed && bearing_rows(t, bearing, state, &row) > 0 ? row.residual * b.sigma_rad : 0.0;
-}
-
 LeftOutOfAll left_out_of(const Problem& problem, const std::vector<Trajectory>& trajectories,
                          const SharedState& state) {
   LeftOutOfAll out;
   for (const Trajectory& t : trajectories) append(out.arrivals, arrivals_of(t, state));
   for (std::size_t run = 0; run < problem.runs.size(); ++run) {
-    append(out.bearings, bearings_of(problem.runs[run], run, trajectories, state));
+    append(out.bearings, bearings_of(problem.runs[run], run, trajectories));
     append(out.poses, poses_of(problem.runs[run], run, trajectories));
   }
   return out;

@@ -21,9 +21,6 @@ struct LeftOutOfAll {
 [[nodiscard]] LeftOutOfAll left_out_of(const Problem& problem, const std::vector<Trajectory>& trajectories,
                                        const SharedState& state);
 
-/// What a bearing that does not fit is off by; 0 for all others.
-[[nodiscard]] double misfit_rad(const Trajectory& trajectory, std::size_t bearing, const SharedState& state);
-
 /// More than a third of the arrivals: what was stated is misread, or the recording is not of one clock.
 [[nodiscard]] bool are_many_left_out(const Problem& problem, const Solution& solution);
 

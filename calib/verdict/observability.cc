@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -36,19 +35,19 @@ double sigma_of(const Covariance& C, int column) {
 
 class Judge {
  public:
-  Judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x, const Covariance& C,
+  Judge(const Problem& problem, const Estimate& estimate, const Covariance& C,
         const std::vector<Trajectory>& trajectories, Solution& solution)
       : problem_(problem),
         site_(problem.site),
-        layout_(layout),
-        x_(x),
+        estimate_(estimate),
+        layout_(estimate.layout),
         C_(C),
         trajectories_(trajectories),
         solution_(solution),
         limit_m_(tolerance_m(problem)),
         fix_limit_m_(site_.tolerance.fix_m.value_or(limit_m_)) {}
 
-  void beacons(const std::vector<bool>& usable, const std::vector<bool>& mirrored) {
+  void beacons() {
     std::vector<std::size_t> heard(site_.beacons.size(), 0);
     for (const Trajectory& t : trajectories_) {
       for (const ArrivalObservation& a : t.arrivals) ++heard[a.beacon.index()];
@@ -66,7 +65,7 @@ class Judge {
         if (heard[b] == 0) {
           status = undetermined(b, "it was not heard", "drive where it is heard, or check that it sends",
                                 INFINITY);
-        } else if (!usable[b]) {
+        } else if (!estimate_.beacon_usable[b]) {
           status = undetermined(b, "too few arrivals agree on a place for it",
                                 "hear it from more places, or give its approximate position", INFINITY);
         } else if (sigma_m > limit_m_) {
@@ -79,7 +78,7 @@ class Judge {
                            "hear it from places spread around it in all directions, or tape its "
                            "distance to a control point",
                            sigma_m);
-        } else if (mirrored[b]) {
+        } else if (estimate_.beacon_mirrored[b]) {
           status = undetermined(b, "a mirror image explains the arrivals as well",
                                 "say more closely where it is (its height, or its side of the line driven), "
                                 "or hear it from beside that "
@@ -120,8 +119,8 @@ class Judge {
   }
 
   void verdict(bool strict) {
-    const auto count = static_cast<std::size_t>(std::count(
-        solution_.beacon_status.begin(), solution_.beacon_status.end(), BeaconStatus::kUndetermined));
+    const auto count =
+        static_cast<std::size_t>(std::ranges::count(solution_.beacon_status, BeaconStatus::kUndetermined));
     const bool too_many = count > 0 && 2 * count >= asked_;
     if (!blocked_ && !too_many && !(strict && count > 0)) return;  // status stays: converged or not
     solution_.status = SolveStatus::kUndetermined;
@@ -130,8 +129,7 @@ class Judge {
     for (const WeakDirection& w : solution_.weak) {
       if (!w.blocking && !(w.lone_beacon && (too_many || strict))) continue;
       if (!w.lone_beacon) what.push_back(w.description);
-      if (std::find(remedies.begin(), remedies.end(), w.remedy) == remedies.end())
-        remedies.push_back(w.remedy);
+      if (std::ranges::find(remedies, w.remedy) == remedies.end()) remedies.push_back(w.remedy);
     }
     solution_.message = fmt::format("the data do not determine {}; nothing is exported. To settle it: {}",
                                     fmt::join(what, "; "), fmt::join(remedies, "; "));
@@ -139,7 +137,7 @@ class Judge {
 
  private:
   [[nodiscard]] std::string name_of(int column) const {
-    return parameter_name(layout_.parameters[static_cast<std::size_t>(column)].id, names_of(site_));
+    return parameter_name(layout_.parameter(column).id, names_of(site_));
   }
 
   BeaconStatus undetermined(std::size_t b, const std::string& why, const std::string& remedy,
@@ -169,7 +167,8 @@ class Judge {
     direction.consequence_m = INFINITY;
     if (direction.sigma_m < typical_range_m(problem_) && variance > 0) {  // farther off nothing is predicted
       const Eigen::VectorXd step = with_it / std::sqrt(variance);
-      const std::optional<double> fix_m = fix_shift_m(layout_, x_, x_ + step, trajectories_);
+      const std::optional<double> fix_m =
+          fix_shift_m(layout_, estimate_.x, estimate_.x + step, trajectories_);
       if (fix_m && *fix_m <= fix_limit_m_ && largest_beacon_shift_m(step) <= limit_m_) {
         direction.consequence_m = *fix_m;
         direction.blocking = false;
@@ -205,8 +204,7 @@ class Judge {
     columns.push_back(layout_.column_of(parameters::receiver_delay(r)));
     columns.erase(std::remove_if(columns.begin(), columns.end(), [](int c) { return c < 0; }), columns.end());
     const double limit_m = std::max(limit_m_, fix_limit_m_);
-    const bool known =
-        std::all_of(columns.begin(), columns.end(), [&](int c) { return sigma_of(C_, c) <= limit_m; });
+    const bool known = std::ranges::all_of(columns, [&](int c) { return sigma_of(C_, c) <= limit_m; });
     if (known || columns.empty()) return;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(C_.block(columns));
     const SiteReceiver& receiver = site_.receivers[r];
@@ -228,8 +226,8 @@ class Judge {
 
   const Problem& problem_;
   const Site& site_;
+  const Estimate& estimate_;
   const ParameterLayout& layout_;
-  const Eigen::VectorXd& x_;
   const Covariance& C_;
   const std::vector<Trajectory>& trajectories_;
   Solution& solution_;
@@ -283,20 +281,19 @@ MarginalCovariance marginals_of(const ParameterLayout& layout, const Covariance&
   std::vector<std::vector<int>> groups(layout.beacon.size() + 1);
   std::vector<bool> of_beacon(static_cast<std::size_t>(layout.size()), false);
   for (std::size_t b = 0; b < layout.beacon.size(); ++b)
-    for (const int column : {layout.beacon[b][0], layout.beacon[b][1], layout.beacon[b][2],
-                             layout.column_of(parameters::beacon_delay(b))})
+    for (const int column : layout.columns_of_beacon(b))
       if (column >= 0) {
         groups[b].push_back(column);
         of_beacon[static_cast<std::size_t>(column)] = true;
       }
   // Biases of pairs each on its own: there are as many as arrivals' pairs.
   for (int column = 0; column < layout.size(); ++column)
-    if (layout.parameters[static_cast<std::size_t>(column)].id.kind == ParameterKind::kPairBias) {
+    if (layout.parameter(column).id.kind == ParameterKind::kPairBias) {
       groups.push_back({column});
       of_beacon[static_cast<std::size_t>(column)] = true;
     }
   for (int column = 0; column < layout.size(); ++column) {
-    out.parameters.push_back(layout.parameters[static_cast<std::size_t>(column)].id);
+    out.parameters.push_back(layout.parameter(column).id);
     if (!of_beacon[static_cast<std::size_t>(column)]) groups[layout.beacon.size()].push_back(column);
   }
   std::vector<Eigen::Triplet<double>> elements;
@@ -304,8 +301,7 @@ MarginalCovariance marginals_of(const ParameterLayout& layout, const Covariance&
     for (const int i : group)
       for (const int j : group)
         elements.emplace_back(i, j,
-                              layout.parameters[static_cast<std::size_t>(i)].si_per_unit * C(i, j) *
-                                  layout.parameters[static_cast<std::size_t>(j)].si_per_unit);
+                              layout.parameter(i).si_per_unit * C(i, j) * layout.parameter(j).si_per_unit);
   out.matrix.resize(layout.size(), layout.size());
   out.matrix.setFromTriplets(elements.begin(), elements.end());
   return out;
@@ -320,12 +316,13 @@ Covariance covariance_of(const Problem& problem, const ParameterLayout& layout, 
   return Covariance(information, datum);
 }
 
-Covariance covariance_at(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x,
-                         std::vector<Trajectory>& trajectories, const Workers& workers,
-                         const std::optional<Eigen::MatrixXd>& data_information, Solution& solution) {
+Covariance covariance_at(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
+                         std::vector<Trajectory>& trajectories, Solution& solution) {
+  const ParameterLayout& layout = estimate.layout;
   if (!is_dense(layout)) {
     Covariance C = covariance_of(
-        problem, layout, sparse_information_at(problem, layout, trajectories, x, {}, workers), solution);
+        problem, layout, sparse_information_at(problem, layout, trajectories, estimate.x, options.workers()),
+        solution);
     solution.marginals = marginals_of(layout, C);
     solution.warnings.push_back(
         fmt::format("the joint covariance of {} parameters is left out of the deployment, which holds each "
@@ -334,38 +331,34 @@ Covariance covariance_at(const Problem& problem, const ParameterLayout& layout, 
                     layout.size()));
     return C;
   }
-  const Eigen::MatrixXd data = data_information
-                                   ? *data_information
-                                   : information_at(problem, layout, trajectories, x, {}, workers).data;
-  Covariance C =
-      covariance_of(problem, layout, Eigen::MatrixXd(data + prior_information(problem, layout, x)), solution);
-  Eigen::VectorXd si(layout.size());
-  for (int i = 0; i < layout.size(); ++i) {
-    si[i] = layout.parameters[static_cast<std::size_t>(i)].si_per_unit;
-    solution.covariance.parameters.push_back(layout.parameters[static_cast<std::size_t>(i)].id);
-  }
+  const Eigen::MatrixXd data =
+      estimate.last.data_information
+          ? *estimate.last.data_information
+          : information_at(problem, layout, trajectories, estimate.x, options.workers()).data;
+  Covariance C = covariance_of(
+      problem, layout, Eigen::MatrixXd(data + prior_information(problem, layout, estimate.x)), solution);
+  const Eigen::VectorXd si = layout.si_per_unit();
+  for (const Parameter& p : layout.parameters) solution.covariance.parameters.push_back(p.id);
   solution.covariance.matrix = si.asDiagonal() * *C.matrix() * si.asDiagonal();
   return C;
 }
 
 }  // namespace
 
-Covariance judge(const Problem& problem, const ParameterLayout& layout, const Eigen::VectorXd& x,
-                 const std::vector<bool>& beacon_usable, const std::vector<bool>& beacon_mirrored,
-                 bool strict, std::vector<Trajectory>& trajectories, Solution& solution,
-                 const Workers& workers, const std::optional<Eigen::MatrixXd>& data_information) {
-  Covariance C = covariance_at(problem, layout, x, trajectories, workers, data_information, solution);
-  Judge judge(problem, layout, x, C, trajectories, solution);
-  judge.beacons(beacon_usable, beacon_mirrored);
+Covariance judge(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
+                 std::vector<Trajectory>& trajectories, Solution& solution) {
+  Covariance C = covariance_at(problem, options, estimate, trajectories, solution);
+  Judge judge(problem, estimate, C, trajectories, solution);
+  judge.beacons();
   judge.common_parameters();
-  std::vector<bool> known(beacon_usable.size());
-  for (std::size_t b = 0; b < known.size(); ++b)
-    known[b] = solution.beacon_status[b] != BeaconStatus::kUndetermined;
+  std::vector<bool> known;
+  for (const BeaconStatus status : solution.beacon_status)
+    known.push_back(status != BeaconStatus::kUndetermined);
   for (WeakDirection& w :
-       weak_directions(layout, names_of(problem.site), x, C, known, trajectories,
+       weak_directions(estimate.layout, names_of(problem.site), estimate.x, C, known, trajectories,
                        {.limit_m = tolerance_m(problem), .typical_range_m = typical_range_m(problem)}))
     solution.weak.push_back(std::move(w));
-  judge.verdict(strict);
+  judge.verdict(options.strict);
   return C;
 }
 

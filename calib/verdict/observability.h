@@ -5,11 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include "calib/adjust/covariance.h"
+#include "calib/adjust/estimate.h"
 #include "calib/calibrate.h"
-#include "calib/problem/parameters.h"
 
 namespace octant::calib {
 
@@ -19,12 +17,8 @@ namespace octant::calib {
 /// direction is beyond the site's tolerance. The data refuse (SolveStatus::kUndetermined) when half or more
 /// of the beacons asked for are, or when speed, a common delay or a receiver array are not known to that
 /// tolerance and a beacon or a typical fix (fix_shift.h) is off beyond its own by that.
-[[nodiscard]] Covariance judge(const Problem& problem, const ParameterLayout& layout,
-                               const Eigen::VectorXd& x, const std::vector<bool>& beacon_usable,
-                               const std::vector<bool>& beacon_mirrored, bool strict,
-                               std::vector<Trajectory>& trajectories, Solution& solution,
-                               const Workers& workers = {},
-                               const std::optional<Eigen::MatrixXd>& data_information = {});
+[[nodiscard]] Covariance judge(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
+                               std::vector<Trajectory>& trajectories, Solution& solution);
 
 /// Whether anything fixes the scale: two places that are known, a taped distance, an array or odometry, or
 /// the speed itself, to a tenth. Empty if so, otherwise what is missing.

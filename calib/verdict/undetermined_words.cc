@@ -25,7 +25,7 @@ std::vector<BeaconGroup> groups_of(const std::vector<UndeterminedBeacon>& beacon
     const auto alike = [&](const BeaconGroup& g) {
       return g.remedy == b.remedy && (known ? g.most_m > 0 : g.why == b.why);
     };
-    auto at = std::find_if(groups.begin(), groups.end(), alike);
+    auto at = std::ranges::find_if(groups, alike);
     if (at == groups.end())
       at = groups.insert(at, {{}, b.why, b.remedy, known ? b.sigma_m : 0.0, known ? b.sigma_m : 0.0});
     at->names.push_back(b.beacon);

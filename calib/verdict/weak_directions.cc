@@ -32,15 +32,15 @@ WeakDirection in_words(const ParameterLayout& layout, const NameTable& names, co
   std::array<double, kParameterTopics> share = {};
   std::vector<int> order(static_cast<std::size_t>(v.size()));
   std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&v](int a, int b) { return std::abs(v[a]) > std::abs(v[b]); });
+  std::ranges::sort(order, [&v](int a, int b) { return std::abs(v[a]) > std::abs(v[b]); });
   std::vector<std::string> beacons;
   for (const int i : order) {
-    const ParameterId& id = layout.parameters[static_cast<std::size_t>(i)].id;
+    const ParameterId& id = layout.parameter(i).id;
     share[static_cast<std::size_t>(topic_of(id))] += v[i] * v[i];
     if (v[i] * v[i] < kParameterPart) continue;
     w.parameters.push_back(parameter_name(id, names));
     const auto beacon = beacon_of(id);
-    if (beacon && std::find(beacons.begin(), beacons.end(), names.beacons[*beacon]) == beacons.end())
+    if (beacon && std::ranges::find(beacons, names.beacons[*beacon]) == beacons.end())
       beacons.push_back(names.beacons[*beacon]);
   }
   std::vector<std::string> parts;
@@ -102,14 +102,13 @@ std::vector<WeakDirection> weak_directions(const ParameterLayout& layout, const 
   // metres is left open.
   Eigen::VectorXd metres = Eigen::VectorXd::Ones(layout.size());
   for (int i = 0; i < layout.size(); ++i) {
-    const ParameterId& id = layout.parameters[static_cast<std::size_t>(i)].id;
+    const ParameterId& id = layout.parameter(i).id;
     if (id.kind == ParameterKind::kSpeed) metres[i] = options.typical_range_m;
     const bool amplitude = id.kind == ParameterKind::kAttenuation || id.kind == ParameterKind::kBeaconGain;
     if (amplitude && id != kRiseTime) metres[i] = 0.0;
   }
   for (std::size_t b = 0; b < usable.size(); ++b)  // told already
-    for (const int column : {layout.beacon[b][0], layout.beacon[b][1], layout.beacon[b][2],
-                             layout.column_of(parameters::beacon_delay(b))})
+    for (const int column : layout.columns_of_beacon(b))
       if (!usable[b] && column >= 0) metres[column] = 0.0;
   if (layout.size() == 0) return reported;
   for (const auto& [variance, v] :

@@ -41,7 +41,7 @@ class WatchedLog : public calib::HeldLog {
     asked.emplace_back("scale");
     HeldLog::scale_noise(estimate, factors);
   }
-  Result<calib::LogFindings> findings(const calib::Estimate& estimate) override {
+  Result<calib::Findings> findings(const calib::Estimate& estimate) override {
     asked.emplace_back("findings");
     if (fails_at == asked.back()) return failed();
     return HeldLog::findings(estimate);

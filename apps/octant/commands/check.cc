@@ -16,6 +16,7 @@
 #include "apps/octant/progress.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/text/layout.h"
+#include "calib/readings/explain.h"
 #include "calib/statements/hints.h"
 #include "io/site/site_yaml.h"
 

@@ -13,6 +13,7 @@
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/stream_source.h"
 #include "apps/octant/text/layout.h"
+#include "calib/readings/explain.h"
 #include "calib/statements/hints.h"
 #include "calib/stream/streamed.h"
 #include "io/site/site_yaml.h"

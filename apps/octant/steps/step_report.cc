@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 
 #include "apps/octant/steps/reporting.h"
-#include "calib/deployment_head.h"
+#include "calib/calibrate.h"
 
 namespace octant::app {
 namespace {

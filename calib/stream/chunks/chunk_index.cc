@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <optional>
 #include <utility>
 
 #include "calib/problem/problem.h"
@@ -14,127 +13,6 @@ namespace octant::calib {
 std::size_t Chunk::all_arrivals() const {
   return std::accumulate(arrivals.begin(), arrivals.end(), std::size_t{0});
 }
-
-/// Follows the rows in the order of the files.
-class ChunkIndex::Scanner {
- public:
-  Scanner(std::size_t vehicles, std::size_t beacons, std::size_t chunk_arrivals)
-      : vehicles_(vehicles), beacons_(beacons), chunk_arrivals_(chunk_arrivals) {}
-
-  void add(ChunkIndex& index, std::size_t run, const std::vector<Arrival>& block) {
-    while (index.runs_.size() <= run) begin_run(index);
-    RunStates& r = index.runs_.back();
-    const std::size_t b = r.first_state.size();
-    r.first_state.push_back(r.states);
-    if (chunk_size_ >= chunk_arrivals_) begin_chunk(index, b);
-    index.chunks_.back().last_block = b + 1;
-    const std::vector<StateKind>& kinds = index.kinds_[run];
-    for (const Arrival& a : block) {
-      const StateKind kind = kinds[a.vehicle.index()];
-      if (kind == StateKind::kDrive) continue;
-      OpenGroup& open = open_[a.vehicle.index()];
-      if (begins_group(kind, open, a)) {
-        open = {true, a.epoch, a.time_s, a.time_s, b, index.chunks_.size() - 1, {}};
-        begin_state(index, r, open, a);
-      } else {
-        if (begins_state(kind, open, a)) begin_state(index, r, open, a);
-        if (open.block < b) go_on(r, open, kind, b, a);
-      }
-      open.epoch = a.epoch;
-      open.time_s = a.time_s;
-      ++index.chunks_[open.chunk].arrivals[a.vehicle.index()];
-      ++r.heard[a.beacon.index()];
-      ++chunk_size_;
-      ++index.arrivals_;
-    }
-  }
-
-  void end(ChunkIndex& index, std::size_t runs) {
-    while (index.runs_.size() < runs) begin_run(index);
-    end_run(index);
-    std::vector<std::size_t> states, arrivals;
-    for (Chunk& chunk : index.chunks_) {
-      if (chunk.first_block == 0) {
-        states.assign(vehicles_, 0);
-        arrivals.assign(vehicles_, 0);
-      }
-      chunk.states_before = states;
-      chunk.arrivals_before = arrivals;
-      for (std::size_t v = 0; v < vehicles_; ++v) {
-        states[v] += chunk.states[v];
-        arrivals[v] += chunk.arrivals[v];
-      }
-    }
-    std::erase_if(index.chunks_, [](const Chunk& chunk) { return chunk.all_arrivals() == 0; });
-  }
-
- private:
-  /// The latest group of a vehicle.
-  struct OpenGroup {
-    bool any = false;
-    std::int64_t epoch = kNoEpoch;          ///< of its last row
-    double time_s = 0.0;                    ///< of that
-    double from_s = 0.0;                    ///< of its first row
-    std::size_t block = 0, chunk = 0;       ///< in which it began
-    std::optional<std::size_t> split = {};  ///< where it lies in several
-  };
-
-  static bool begins_state(StateKind kind, const OpenGroup& open, const Arrival& a) {
-    const bool is_epoch = kind == StateKind::kStops || kind == StateKind::kChainedStops;
-    return is_epoch ? open.epoch != a.epoch : open.time_s != a.time_s;
-  }
-  static bool begins_group(StateKind kind, const OpenGroup& open, const Arrival& a) {
-    if (!open.any) return true;
-    return kind == StateKind::kStops ? open.epoch != a.epoch : a.time_s - open.time_s > longest_tie_s(kind);
-  }
-  static void begin_state(ChunkIndex& index, RunStates& run, const OpenGroup& open, const Arrival& a) {
-    ++run.states;
-    ++index.chunks_[open.chunk].states[a.vehicle.index()];
-  }
-  /// In another block.
-  static void go_on(RunStates& run, OpenGroup& open, StateKind kind, std::size_t block, const Arrival& a) {
-    if (!open.split) {
-      open.split = run.splits.size();
-      run.splits.push_back({open.block, block, a.vehicle, kind, a.epoch, open.from_s, a.time_s});
-    }
-    run.splits[*open.split].last_block = block;
-    run.splits[*open.split].until_s = a.time_s;
-  }
-
-  void begin_run(ChunkIndex& index) {
-    end_run(index);
-    index.runs_.emplace_back().heard.assign(beacons_, 0);
-    open_.assign(vehicles_, {});
-    begin_chunk(index, 0);
-  }
-
-  void begin_chunk(ChunkIndex& index, std::size_t block) {
-    const std::vector<std::size_t> none(vehicles_, 0);
-    index.chunks_.push_back({index.runs_.size() - 1, block, block, none, none, {}, {}});
-    chunk_size_ = 0;
-  }
-
-  void end_run(ChunkIndex& index) {
-    if (index.runs_.empty()) return;
-    RunStates& r = index.runs_.back();
-    const std::size_t blocks = r.first_state.size();
-    r.first_state.push_back(r.states);
-    std::vector<std::uint32_t> count(blocks + 1, 0);
-    for (const SplitGroup& s : r.splits)
-      for (std::size_t b = s.first_block + 1; b <= s.last_block; ++b) ++count[b];
-    r.first_open.assign(blocks + 2, 0);
-    for (std::size_t b = 0; b <= blocks; ++b) r.first_open[b + 1] = r.first_open[b] + count[b];
-    r.open.resize(r.first_open.back());
-    std::vector<std::uint32_t> next(r.first_open.begin(), r.first_open.end() - 1);
-    for (std::size_t i = 0; i < r.splits.size(); ++i)
-      for (std::size_t b = r.splits[i].first_block + 1; b <= r.splits[i].last_block; ++b)
-        r.open[next[b]++] = static_cast<std::uint32_t>(i);
-  }
-
-  std::size_t vehicles_, beacons_, chunk_arrivals_;
-  std::size_t chunk_size_ = 0;
-  std::vector<OpenGroup> open_;  ///< of each vehicle
-};
 
 StateKinds state_kinds(const ArrivalSource& source, const Site& site) {
   const TrajectoryModel model = trajectory_model(site);
@@ -147,16 +25,103 @@ StateKinds state_kinds(const ArrivalSource& source, const Site& site) {
 
 ChunkIndex::ChunkIndex(StateKinds kinds, std::size_t beacons, std::size_t chunk_arrivals)
     : kinds_(std::move(kinds)),
-      scanner_(
-          std::make_unique<Scanner>(kinds_.empty() ? 0 : kinds_.front().size(), beacons, chunk_arrivals)) {}
-ChunkIndex::ChunkIndex(ChunkIndex&&) noexcept = default;
-ChunkIndex::~ChunkIndex() = default;
+      vehicles_(kinds_.empty() ? 0 : kinds_.front().size()),
+      beacons_(beacons),
+      chunk_arrivals_(chunk_arrivals) {}
 
-void ChunkIndex::add(std::size_t run, const std::vector<Arrival>& block) { scanner_->add(*this, run, block); }
+bool ChunkIndex::OpenGroup::ends_state(StateKind kind, const Arrival& a) const {
+  const bool is_epoch = kind == StateKind::kStops || kind == StateKind::kChainedStops;
+  return is_epoch ? epoch != a.epoch : time_s != a.time_s;
+}
+
+bool ChunkIndex::OpenGroup::ends(StateKind kind, const Arrival& a) const {
+  if (!any) return true;
+  return kind == StateKind::kStops ? epoch != a.epoch : a.time_s - time_s > longest_tie_s(kind);
+}
+
+void ChunkIndex::add(std::size_t run, const std::vector<Arrival>& block) {
+  while (runs_.size() <= run) begin_run();
+  RunStates& r = runs_.back();
+  const std::size_t b = r.first_state.size();
+  r.first_state.push_back(r.states);
+  if (chunk_size_ >= chunk_arrivals_) begin_chunk(b);
+  chunks_.back().last_block = b + 1;
+  for (const Arrival& a : block) {
+    const StateKind kind = kinds_[run][a.vehicle.index()];
+    if (kind == StateKind::kDrive) continue;
+    OpenGroup& open = open_[a.vehicle.index()];
+    const bool is_new = open.ends(kind, a), is_new_state = is_new || open.ends_state(kind, a);
+    if (is_new) open = {true, a.epoch, a.time_s, a.time_s, b, chunks_.size() - 1, {}};
+    if (open.block < b) continue_group(r, open, kind, b, a);
+    open.epoch = a.epoch;
+    open.time_s = a.time_s;
+    r.states += is_new_state;
+    chunks_[open.chunk].states[a.vehicle.index()] += is_new_state;
+    ++chunks_[open.chunk].arrivals[a.vehicle.index()];
+    ++r.heard[a.beacon.index()];
+    ++chunk_size_;
+    ++arrivals_;
+  }
+}
 
 void ChunkIndex::end(std::size_t runs) {
-  scanner_->end(*this, runs);
-  scanner_.reset();
+  while (runs_.size() < runs) begin_run();
+  end_run();
+  std::vector<std::size_t> states, arrivals;
+  for (Chunk& chunk : chunks_) {
+    if (chunk.first_block == 0) {
+      states.assign(vehicles_, 0);
+      arrivals.assign(vehicles_, 0);
+    }
+    chunk.states_before = states;
+    chunk.arrivals_before = arrivals;
+    for (std::size_t v = 0; v < vehicles_; ++v) {
+      states[v] += chunk.states[v];
+      arrivals[v] += chunk.arrivals[v];
+    }
+  }
+  std::erase_if(chunks_, [](const Chunk& chunk) { return chunk.all_arrivals() == 0; });
+}
+
+/// In another block.
+void ChunkIndex::continue_group(RunStates& run, OpenGroup& open, StateKind kind, std::size_t block,
+                                const Arrival& a) {
+  if (!open.split) {
+    open.split = run.splits.size();
+    run.splits.push_back({open.block, block, a.vehicle, kind, a.epoch, open.from_s, a.time_s});
+  }
+  run.splits[*open.split].last_block = block;
+  run.splits[*open.split].until_s = a.time_s;
+}
+
+void ChunkIndex::begin_run() {
+  end_run();
+  runs_.emplace_back().heard.assign(beacons_, 0);
+  open_.assign(vehicles_, {});
+  begin_chunk(0);
+}
+
+void ChunkIndex::begin_chunk(std::size_t block) {
+  const std::vector<std::size_t> none(vehicles_, 0);
+  chunks_.push_back({runs_.size() - 1, block, block, none, none, {}, {}});
+  chunk_size_ = 0;
+}
+
+void ChunkIndex::end_run() {
+  if (runs_.empty()) return;
+  RunStates& r = runs_.back();
+  const std::size_t blocks = r.first_state.size();
+  r.first_state.push_back(r.states);
+  std::vector<std::uint32_t> count(blocks + 1, 0);
+  for (const SplitGroup& s : r.splits)
+    for (std::size_t b = s.first_block + 1; b <= s.last_block; ++b) ++count[b];
+  r.first_open.assign(blocks + 2, 0);
+  for (std::size_t b = 0; b <= blocks; ++b) r.first_open[b + 1] = r.first_open[b] + count[b];
+  r.open.resize(r.first_open.back());
+  std::vector<std::uint32_t> next(r.first_open.begin(), r.first_open.end() - 1);
+  for (std::size_t i = 0; i < r.splits.size(); ++i)
+    for (std::size_t b = r.splits[i].first_block + 1; b <= r.splits[i].last_block; ++b)
+      r.open[next[b]++] = static_cast<std::uint32_t>(i);
 }
 
 Result<void> ChunkIndex::read(const ArrivalSource& source, std::size_t run, std::size_t first,

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <vector>
 
 #include "models/arrival_source.h"
@@ -35,8 +35,6 @@ class ChunkIndex {
   /// Follows the rows of a source: add() of each block, then end(). Runs may be left out.
   /// @param chunk_arrivals  a chunk ends with the block in which it has as many
   ChunkIndex(StateKinds kinds, std::size_t beacons, std::size_t chunk_arrivals);
-  ChunkIndex(ChunkIndex&&) noexcept;
-  ~ChunkIndex();
   void add(std::size_t run, const std::vector<Arrival>& block);
   void end(std::size_t runs);
 
@@ -80,10 +78,27 @@ class ChunkIndex {
     std::vector<std::uint32_t> open,
         first_open;  ///< splits across the beginning of each block: open[first_open[b]...first_open[b + 1])
   };
-  class Scanner;
+  /// The latest group of a vehicle.
+  struct OpenGroup {
+    bool any = false;
+    std::int64_t epoch = kNoEpoch;          ///< of its last row
+    double time_s = 0.0;                    ///< of that
+    double from_s = 0.0;                    ///< of its first row
+    std::size_t block = 0, chunk = 0;       ///< in which it began
+    std::optional<std::size_t> split = {};  ///< where it lies in several
+    [[nodiscard]] bool ends_state(StateKind kind, const Arrival& a) const;
+    [[nodiscard]] bool ends(StateKind kind, const Arrival& a) const;
+  };
+  static void continue_group(RunStates& run, OpenGroup& open, StateKind kind, std::size_t block,
+                             const Arrival& a);
+  void begin_run();
+  void begin_chunk(std::size_t block);
+  void end_run();
 
   StateKinds kinds_;
-  std::unique_ptr<Scanner> scanner_;  ///< until the end
+  std::size_t vehicles_, beacons_, chunk_arrivals_;
+  std::size_t chunk_size_ = 0;
+  std::vector<OpenGroup> open_;  ///< of each vehicle
   std::vector<RunStates> runs_;
   std::vector<Chunk> chunks_;
   std::size_t arrivals_ = 0;

@@ -4,14 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <tuple>
+#include <utility>
 
+#include "calib/adjust/over_ranks.h"
 #include "calib/adjust/reject.h"
+#include "calib/adjust/tile_sum.h"
 #include "calib/problem/flips.h"
 #include "calib/problem/gates.h"
-#include "calib/stream/chunks/pass_summer.h"
 #include "calib/stream/long_log.h"
-#include "calib/stream/over_ranks.h"
 #include "calib/stream/side_by_side.h"
 #include "models/trajectory/solve_states.h"
 #include "models/trajectory/stretches.h"
@@ -34,6 +36,55 @@ void for_each_arrival(const ChunkWork& w, Visit&& visit) {
     for (const ArrivalObservation& a : t.arrivals) visit(number++, t, a);
   }
 }
+
+/// Adds up what the chunks of a log give in the order of the chunks, whichever is ready first, so that no sum
+/// depends on the number of threads.
+class PassSummer {
+ public:
+  /// @param first  first chunk of this rank
+  PassSummer(std::size_t first, int parameters) : in_order_(first) {
+    sum_.system.H.setZero(parameters, parameters);
+    sum_.system.gradient.setZero(parameters);
+  }
+
+  /// Solves for the trajectories of a chunk with plain squares, marks them as asked, and reduces them.
+  /// @param limit  sigmas beyond which an arrival is rejected
+  void add(std::size_t chunk, ChunkWork& w, const ParameterLayout& layout, const SharedState& state,
+           double limit, RejectionPolicy policy) {
+    ReducedSystem& system = w.sum.system;
+    PassCounts& counts = w.sum.counts = {};
+    if (policy == RejectionPolicy::kFirst) counts.changed = reject_outliers(w.trajectories, state, limit);
+    auto tiles = std::make_unique<TileSum>(w.trajectories, layout, Workers{});
+    counts.cost_before = tiles->solve_states(state, {});
+    if (policy == RejectionPolicy::kConverged) {
+      tiles->commit();
+      tiles->share_states();
+      counts.changed = reject_outliers(w.trajectories, state, limit);
+      if (counts.changed > 0) {
+        tiles = std::make_unique<TileSum>(w.trajectories, layout, Workers{});
+        static_cast<void>(tiles->solve_states(state, {}));
+      }
+    }
+    tiles->reduce(state, {}, system);
+    tiles->share_states();
+    // The costs of chains are known better now (Tile::reduce).
+    if (policy != RejectionPolicy::kConverged || counts.changed == 0) counts.cost_before = system.cost;
+    for (const Trajectory& t : w.trajectories) {
+      counts.of_log.add(count_observations(t, state, 1, false));
+      counts.poses.add(squares_of_poses(t, state));
+    }
+    in_order_.add(chunk, w.sum, [this](std::size_t, const PassSum& next) { sum_.add(next); });
+  }
+  /// The sum over the chunks of all ranks.
+  [[nodiscard]] PassSum sum(const Ranks* ranks) && {
+    sum_over(ranks, sum_);
+    return std::move(sum_);
+  }
+
+ private:
+  OrderedParts<PassSum> in_order_;
+  PassSum sum_;
+};
 
 }  // namespace
 
@@ -105,9 +156,7 @@ bool ChunkPasses::is_as_before(std::size_t chunk, const ChunkWork& w) const {
 }
 
 void ChunkPasses::restore(const KeptChunk& kept, const Estimate& estimate, ChunkWork& w) const {
-  const double stated_s = task_.frame.site.noise.tof_sigma_s;
-  rescale_noise(w.trajectories, stated_s, stated_s * estimate.noise_factor);
-  rescale_poses(w.trajectories, estimate.pose_factor);
+  take_noise(task_.frame, estimate, w.trajectories);
   for (std::size_t i = 0; i < w.trajectories.size(); ++i) kept.trajectories[i].restore(w.trajectories[i]);
 }
 
@@ -118,12 +167,11 @@ void ChunkPasses::keep(const ChunkWork& w, KeptChunk& kept) {
 
 Result<LogReadings::Placed> ChunkPasses::place(const Estimate& estimate, double suspect_sigmas, bool reject) {
   const SharedState state = estimate.state();
-  const SpreadArrivals spread(task_.arrivals, state, prior_state(task_.frame.site));
-  std::vector<std::vector<double>> residuals(kept_.size()), ranges(kept_.size());
+  SpreadArrivals spread(task_, state, kept_.size());
   PassSummer summer(first_, estimate.layout.size());
   auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
     for_each_arrival(w, [&](std::size_t number, const Trajectory& t, const ArrivalObservation& a) {
-      spread.add_range(number, t, a, ranges[k]);
+      spread.add_range(k, number, t, a);
     });
     apply_gates(task_.frame.site, w.trajectories, 1);
     place_all(task_.frame, estimate.layout, state, estimate.beacon_usable, suspect_sigmas, {},
@@ -135,17 +183,14 @@ Result<LogReadings::Placed> ChunkPasses::place(const Estimate& estimate, double 
                                                       : NAN);
     }
     for_each_arrival(w, [&](std::size_t number, const Trajectory& t, const ArrivalObservation& a) {
-      spread.add_residual(number, t, a, residuals[k]);
+      spread.add_residual(k, number, t, a);
     });
     if (reject)
-      summer.add(k, w.trajectories, estimate.layout, state, task_.options.rejection_sigmas,
-                 RejectionPolicy::kFirst, w.sum);
+      summer.add(k, w, estimate.layout, state, task_.options.rejection_sigmas, RejectionPolicy::kFirst);
     keep(w, kept_[k]);
   });
   if (!done) return fail(done.error());
-  Placed placed;
-  placed.residuals = in_order(task_.options.ranks, std::move(residuals));
-  placed.ranges_m = in_order(task_.options.ranks, std::move(ranges));
+  Placed placed = std::move(spread).placed(task_.options.ranks);
   std::vector<double> states = {0.0};
   for (const KeptChunk& kept : kept_) states[0] += static_cast<double>(kept.start_heading_rad.size());
   sum_over(task_.options.ranks, states);
@@ -160,7 +205,7 @@ Result<PassSum> ChunkPasses::pass(const Estimate& estimate, RejectionPolicy poli
   PassSummer summer(first_, estimate.layout.size());
   auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
     restore(kept_[k], estimate, w);
-    summer.add(k, w.trajectories, estimate.layout, state, task_.options.rejection_sigmas, policy, w.sum);
+    summer.add(k, w, estimate.layout, state, task_.options.rejection_sigmas, policy);
     keep(w, kept_[k]);
   });
   if (!done) return fail(done.error());

@@ -3,16 +3,14 @@
 #include "calib/stream/drives/drive_passes.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <numeric>
 #include <tuple>
 
-#include "calib/adjust/node_numbers.h"
+#include "calib/adjust/node_buffer.h"
+#include "calib/adjust/over_ranks.h"
 #include "calib/adjust/reject.h"
 #include "calib/problem/gates.h"
 #include "calib/stream/long_log.h"
-#include "calib/stream/over_ranks.h"
 #include "calib/stream/side_by_side.h"
 #include "models/trajectory/node_step.h"
 #include "models/trajectory/odometry_path.h"
@@ -25,9 +23,6 @@ namespace {
 /// A step of a piece's states that gains a smaller share of their cost is the last; the reduction takes the
 /// next one with it.
 constexpr double kPieceAtRest = 1e-9;
-
-/// A state at which a piece ends, as a first and a last one.
-using EndNumbers = std::array<double, 2 * kNumbersOfNode>;
 
 }  // namespace
 
@@ -139,9 +134,7 @@ void DrivePasses::extend_back(DriveWork& w) const {
 void DrivePasses::restore(std::size_t piece, const Estimate& estimate, const std::vector<Node>& ends,
                           DriveWork& w) const {
   Trajectory& t = w.t();
-  const double stated_s = task_.frame.site.noise.tof_sigma_s;
-  rescale_noise(w.trajectory, stated_s, stated_s * estimate.noise_factor);
-  rescale_poses(w.trajectory, estimate.pose_factor);
+  take_noise(task_.frame, estimate, w.trajectory);
   kept_[piece].restore(t);
   const auto put_end = [](const Node& end, Node& node) {
     node.placed = end.placed;
@@ -156,9 +149,8 @@ void DrivePasses::restore(std::size_t piece, const Estimate& estimate, const std
 Result<LogReadings::Placed> DrivePasses::place(const Estimate& estimate, double /*suspect_sigmas*/,
                                                bool /*mark*/) {
   const SharedState state = estimate.state();
-  const SpreadArrivals spread(task_.arrivals, state, prior_state(task_.frame.site));
-  std::vector<std::vector<double>> residuals(kept_.size()), ranges(kept_.size());
-  std::vector<double> ends(kept_.size() * std::tuple_size_v<EndNumbers>, 0.0);
+  SpreadArrivals spread(task_, state, kept_.size());
+  std::vector<std::vector<double>> ends(kept_.size());
   // What is heard before and behind a piece tells its ends as well.
   auto done = for_each_piece(true, [&](std::size_t k, DriveWork& w) {
     apply_gates(task_.frame.site, w.trajectory, 1);
@@ -171,20 +163,15 @@ Result<LogReadings::Placed> DrivePasses::place(const Estimate& estimate, double 
         t.arrivals.begin());
     for (std::size_t i = 0; i < w.piece->arrivals; ++i) {
       const ArrivalObservation& a = t.arrivals[first_arrival + i];
-      spread.add_range(w.piece->arrivals_before + i, t, a, ranges[k]);
-      spread.add_residual(w.piece->arrivals_before + i, t, a, residuals[k]);
+      spread.add_range(k, w.piece->arrivals_before + i, t, a);
+      spread.add_residual(k, w.piece->arrivals_before + i, t, a);
     }
     kept_[k].keep(t, first_node, first_node + w.piece->nodes, first_arrival, w.piece->arrivals);
-    double* const ends_of_piece = ends.data() + k * std::tuple_size_v<EndNumbers>;
-    put_numbers(t.nodes[first_node], ends_of_piece);
-    put_numbers(t.nodes[first_node + w.piece->nodes - 1], ends_of_piece + kNumbersOfNode);
+    BufferWriter(ends[k]).exchange(t.nodes[first_node], t.nodes[first_node + w.piece->nodes - 1]);
   });
   if (!done) return fail(done.error());
-  sum_over(task_.options.ranks, ends);
-  join_pieces(std::move(ends));
-  Placed placed;
-  placed.residuals = in_order(task_.options.ranks, std::move(residuals));
-  placed.ranges_m = in_order(task_.options.ranks, std::move(ranges));
+  join_pieces(in_order(task_.options.ranks, std::move(ends)));
+  Placed placed = std::move(spread).placed(task_.options.ranks);
   placed.states = index_.nodes();
   return placed;
 }
@@ -192,14 +179,11 @@ Result<LogReadings::Placed> DrivePasses::place(const Estimate& estimate, double 
 /// What no arrivals could place odometry reaches from a neighbour; neighbours then agree about the state that
 /// they share.
 /// @param numbers  of the first and the last state of each piece
-void DrivePasses::join_pieces(std::vector<double> numbers) {
+void DrivePasses::join_pieces(const std::vector<double>& numbers) {
   const std::vector<DrivePiece>& pieces = index_.pieces();
   std::vector<std::pair<Node, Node>> ends(pieces.size());
-  for (std::size_t k = 0; k < pieces.size(); ++k) {
-    const double* const ends_of_piece = numbers.data() + k * std::tuple_size_v<EndNumbers>;
-    read_numbers(ends_of_piece, ends[k].first);
-    read_numbers(ends_of_piece + kNumbersOfNode, ends[k].second);
-  }
+  BufferReader buffer(numbers);
+  for (auto& [first, last] : ends) buffer.exchange(first, last);
   const auto none = [&](std::size_t k) { return !ends[k].first.placed; };
   for (std::size_t k = 1; k < pieces.size(); ++k)
     if (pieces[k].open_left && none(k) && !none(k - 1))

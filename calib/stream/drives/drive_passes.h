@@ -47,7 +47,7 @@ class DrivePasses : public LogReadings {
   void extend_back(DriveWork& w) const;
   void restore(std::size_t piece, const Estimate& estimate, const std::vector<Node>& ends,
                DriveWork& w) const;
-  void join_pieces(std::vector<double> numbers_of_ends);
+  void join_pieces(const std::vector<double>& numbers_of_ends);
   [[nodiscard]] std::pair<Node, Node> reach_by_odometry(std::size_t piece, bool forward, const Node& from);
   [[nodiscard]] std::vector<Node> ends_at(const Eigen::VectorXd& x) const;
   void solve_states(const DrivePiece& piece, const ParameterLayout& layout, const SharedState& state,

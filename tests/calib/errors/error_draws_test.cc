@@ -42,14 +42,14 @@ TEST(CellSums, CoarsePartitionsAreSummedFromFineOnes) {
   constexpr std::size_t kRows = 90;
   std::vector<std::uint32_t> rows;  // every other row of the sample is of this kind
   for (std::uint32_t i = 0; i < kRows; ++i) rows.push_back(2 * i + 1);
-  std::vector<std::vector<std::int32_t>> partitions(4, std::vector<std::int32_t>(2 * kRows, -1));
+  std::vector<std::vector<std::int32_t>> partitions(4, std::vector<std::int32_t>(kRows));
   const std::array<std::int32_t, 4> counts = {2, 10, 30, 9};
   for (std::size_t i = 0; i < kRows; ++i) {
     const auto k = static_cast<std::int32_t>(i);
-    partitions[0][rows[i]] = k / 45;
-    partitions[1][rows[i]] = k / 9;  // joins the third's cells
-    partitions[2][rows[i]] = k / 3;
-    partitions[3][rows[i]] = k % 9;  // cuts across all of them
+    partitions[0][i] = k / 45;
+    partitions[1][i] = k / 9;  // joins the third's cells
+    partitions[2][i] = k / 3;
+    partitions[3][i] = k % 9;  // cuts across all of them
   }
   CellSums sums(rows);
   for (std::size_t p = 0; p < 4; ++p) EXPECT_EQ(sums.add(partitions[p], counts[p]), p);
@@ -68,8 +68,8 @@ TEST(CellSums, CoarsePartitionsAreSummedFromFineOnes) {
       EXPECT_NEAR(squares(4, column), all, 1e-4);
       for (std::size_t p = 0; p < 4; ++p) {
         std::vector<double> of_cell(static_cast<std::size_t>(counts[p]), 0.0);
-        for (const std::uint32_t row : rows)
-          of_cell[static_cast<std::size_t>(partitions[p][row])] += values[row].of[k];
+        for (std::size_t i = 0; i < kRows; ++i)
+          of_cell[static_cast<std::size_t>(partitions[p][i])] += values[rows[i]].of[k];
         const double expected = std::inner_product(of_cell.begin(), of_cell.end(), of_cell.begin(), 0.0);
         EXPECT_NEAR(squares(static_cast<Eigen::Index>(p), column), expected, 1e-4 * (1 + expected));
       }

@@ -60,8 +60,8 @@ TEST(HeldLog, AdjustsTheArrivalsThatAgree) {
   EXPECT_FALSE(estimate.last.data_information);
   const calib::DataSquares second = must(log.adjust_inliers(estimate));
   EXPECT_LT(second.cost / second.redundancy, 0.4 * first.cost / first.redundancy);
-  const calib::LogFindings found = must(log.findings(estimate));
-  EXPECT_TRUE(found.findings.as_complete.empty());
+  const calib::Findings found = must(log.findings(estimate));
+  EXPECT_TRUE(found.as_complete.empty());
   std::size_t used = 0;
   for (const Trajectory& t : found.trajectories)
     for (const ArrivalObservation& a : t.arrivals) {
@@ -74,7 +74,7 @@ TEST(HeldLog, AdjustsTheArrivalsThatAgree) {
         EXPECT_GT(off, 0.85 * options.rejection_sigmas);
       }
     }
-  EXPECT_EQ(used, found.findings.statistics.arrivals);
+  EXPECT_EQ(used, found.statistics.arrivals);
 }
 
 }  // namespace

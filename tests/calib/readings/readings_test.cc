@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // False statements of the site file and of logs, told by reading them otherwise.
 #include "calib/readings/readings.h"
-#include "calib/readings/seems_misread.h"
+#include "calib/readings/explain.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,6 @@
 
 #include "calib/problem/site_units.h"
 #include "calib/readings/wiring.h"
-#include "calib/statements/hints.h"
 #include "models/simulator/random.h"
 #include "tests/calib/readings/cart.h"
 

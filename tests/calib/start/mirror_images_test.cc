@@ -149,10 +149,11 @@ TEST(MirrorImages, WhatAPairKeepsCountsForLess) {
   calib::ProgressMonitor monitor(options);
   const calib::Approach approach = calib::approach(problem, options, monitor);
   const calib::ParameterLayout& layout = approach.estimate.layout;
-  Eigen::VectorXd lower = approach.estimate.x;
-  lower[layout.beacon[kBeacon][2]] -= 0.02;
+  calib::AdjustedLog lower = approach;
+  lower.estimate.x[layout.beacon[kBeacon][2]] -= 0.02;
   const auto against = [&](bool by_pair) {
-    std::vector<Trajectory> trajectories = approach.trajectories;
+    calib::AdjustedLog here = approach;
+    std::vector<Trajectory>& trajectories = here.trajectories;
     const SharedState state = approach.estimate.state();
     std::map<std::size_t, int> arrivals;  // of each receiver
     for (Trajectory& t : trajectories)
@@ -163,8 +164,8 @@ TEST(MirrorImages, WhatAPairKeepsCountsForLess) {
           a.tof_s += (wanted - arrival_residual(t, a, state)) * a.sigma_s;
         }
     EXPECT_NEAR(arrival_residual(trajectories[0], trajectories[0].arrivals[0], state), 0.0, 4.0);
-    return calib::arrivals_against(problem, {layout, approach.estimate.x, trajectories},
-                                   {layout, lower, trajectories}, 4.5);
+    lower.trajectories = trajectories;
+    return calib::arrivals_against(problem, here, lower, 4.5);
   };
   const double spread = against(false), kept = against(true);
   EXPECT_GT(spread, 100.0);
@@ -208,15 +209,14 @@ TEST(MirrorImages, AWholeSiteIsReflectedInTheLineOfWhatIsKnown) {
   const calib::Problem problem = problem_of(world);
   const calib::Solution solution = calib::solve(problem);
   const calib::ParameterLayout layout = calib::make_layout(problem, solution.state);
-  const Eigen::VectorXd x = layout.vector_of(solution.state);
-  Eigen::VectorXd image = x;
-  std::vector<Trajectory> reflected = solution.trajectories;
-  ASSERT_TRUE(calib::reflect_site(problem, layout, image, reflected));
-  EXPECT_NEAR(layout.state_of(image).beacon_p_map_m[4].y(), 0.1 - solution.state.beacon_p_map_m[4].y(), 1e-6);
-  EXPECT_NEAR(layout.state_of(image).beacon_p_map_m[4].x(), solution.state.beacon_p_map_m[4].x(), 1e-6);
+  const calib::AdjustedLog found{{layout, layout.vector_of(solution.state)}, solution.trajectories};
+  calib::AdjustedLog image = found;
+  ASSERT_TRUE(calib::reflect_site(problem, image));
+  EXPECT_NEAR(image.estimate.state().beacon_p_map_m[4].y(), 0.1 - solution.state.beacon_p_map_m[4].y(), 1e-6);
+  EXPECT_NEAR(image.estimate.state().beacon_p_map_m[4].x(), solution.state.beacon_p_map_m[4].x(), 1e-6);
   // Ranges see no difference, bearings do.
-  const calib::ConsensusCost here = calib::consensus_cost_of(problem, layout, x, solution.trajectories, 4.0);
-  const calib::ConsensusCost there = calib::consensus_cost_of(problem, layout, image, reflected, 4.0);
+  const calib::ConsensusCost here = calib::consensus_cost_of(problem, found, 4.0);
+  const calib::ConsensusCost there = calib::consensus_cost_of(problem, image, 4.0);
   EXPECT_NEAR(there.arrivals, here.arrivals, 1e-3 * here.arrivals);
   EXPECT_EQ(calib::prefer(here, there, 1.0), calib::Preference::kFirst);
 }
@@ -226,9 +226,8 @@ TEST(MirrorImages, ASiteThatIsKnownOrHeardByAnArrayIsNotReflected) {
     const calib::Problem problem = problem_of(must(simulate(scenario, 1)));
     const SharedState state = prior_state(problem.site);
     const calib::ParameterLayout layout = calib::make_layout(problem, state);
-    Eigen::VectorXd x = layout.vector_of(state);
-    std::vector<Trajectory> trajectories = problem.trajectories;
-    EXPECT_FALSE(calib::reflect_site(problem, layout, x, trajectories));
+    calib::AdjustedLog log{{layout, layout.vector_of(state)}, problem.trajectories};
+    EXPECT_FALSE(calib::reflect_site(problem, log));
   }
 }
 
@@ -285,7 +284,8 @@ struct EchoedStop {
   [[nodiscard]] calib::Preference preferred(const calib::ArrivalWeights& weights) const {
     const calib::ParameterLayout layout = calib::make_layout(problem, here);
     const auto consensus = [&](const SharedState& state) {
-      return calib::consensus_cost_of(problem, layout, layout.vector_of(state), trajectories, 4.0, weights);
+      return calib::consensus_cost_of(problem, {{layout, layout.vector_of(state)}, trajectories}, 4.0,
+                                      weights);
     };
     return calib::prefer(consensus(here), consensus(there), 1.0);
   }

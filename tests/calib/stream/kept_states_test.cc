@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "calib/adjust/node_numbers.h"
+#include "calib/adjust/node_buffer.h"
 #include "models/simulator/random.h"
 
 namespace octant::test {
@@ -118,13 +118,13 @@ TEST(KeptTrajectory, MayBeAPartWhoseLastStateIsItsNeighboursFirst) {
   EXPECT_FALSE(kept.fits(t));
 }
 
-RC_GTEST_PROP(NodeNumbers, TakeWhatWasPut, ()) {
+RC_GTEST_PROP(NodeBuffer, TakesWhatWasPut, ()) {
   Random draws(static_cast<std::uint64_t>(*rc::gen::arbitrary<std::uint32_t>()));
   Node node = any_node(Motion::kSpatial, draws), back;
   node.placed = *rc::gen::arbitrary<bool>();
-  double numbers[calib::kNumbersOfNode];
-  calib::put_numbers(node, numbers);
-  calib::read_numbers(numbers, back);
+  std::vector<double> numbers;
+  calib::BufferWriter(numbers).exchange(node);
+  calib::BufferReader(numbers).exchange(back);
   RC_ASSERT(back.placed == node.placed);
   RC_ASSERT(back.T_map_vehicle.translation_m == node.T_map_vehicle.translation_m);
   RC_ASSERT(back.T_map_vehicle.rotation.coeffs() == node.T_map_vehicle.rotation.coeffs());

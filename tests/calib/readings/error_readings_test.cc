@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/readings/reading_family.h"
+#include "calib/readings/error_readings.h"
 
 #include <cmath>
 
@@ -11,19 +11,6 @@ namespace octant::test {
 namespace {
 
 using ::testing::HasSubstr;
-
-TEST(LikeliestSize, IsFoundToAPartInAHundred) {
-  for (const double size : {0.013, -0.031, 0.2, -0.7, 1.9}) {
-    int asked = 0;
-    // Ranges off by a speed times what is left of a lag, among noise: the logarithm of their spread.
-    const double found = calib::likeliest_size(0.02, 2.0, [&](double tried) {
-      ++asked;
-      return std::log(std::hypot(0.004, 0.5 * (tried - size)));
-    });
-    EXPECT_NEAR(found, size, 0.01 * std::abs(size));
-    EXPECT_LE(asked, 30);
-  }
-}
 
 std::vector<MeasurementLog> driven() {
   std::vector<MeasurementLog> runs(1);
@@ -81,39 +68,12 @@ TEST(WithCommonErrors, TakesThemBackFromTheRunThatHasThem) {
   EXPECT_THAT(read(2, 3e-5, 0), ElementsAre(near(0.02), near(0.02), near(0.02))) << "another recording";
 }
 
-TEST(OdometryStampedLate, IsReadByTheClockOfTheArrivals) {
-  const std::vector<MeasurementLog> runs = driven();
-  const auto families = calib::odometry_stamped_late(runs);
-  ASSERT_EQ(families.size(), 1U);
-  const calib::Reading late = families[0].reading(0.25);
-  EXPECT_THAT(late.what.found, HasSubstr("0.25 s late"));
-  MeasurementLog run = runs[0];
-  late.log(0, run);
-  EXPECT_EQ(run.odometry[0].time_s, 0.75);
-}
-
-TEST(ReadingFamilies, AreNoneWithoutOdometryOrMotion) {
+TEST(OdometryOfOtherScale, IsNoneWithoutOdometryOrInSpace) {
   std::vector<MeasurementLog> runs(1);
   EXPECT_TRUE(calib::odometry_of_other_scale(Site{}, runs).empty());
-  EXPECT_TRUE(calib::odometry_stamped_late(runs).empty());
-  EXPECT_TRUE(calib::poses_stamped_late(runs).empty());
   runs = driven();
   runs[0].odometry[0].dz_m = 0.1;
-  EXPECT_TRUE(calib::odometry_of_other_scale(Site{}, runs).empty()) << "in space";
-}
-
-// Stops whose poses were read as they began: a lag would take them away.
-TEST(PosesStampedLate, MayNotBeLost) {
-  std::vector<MeasurementLog> runs(1);
-  for (int i = 0; i < 50; ++i) {
-    runs[0].poses.push_back({0.1 * i, Pose::planar(0.05 * i, 0.0, 0.0)});
-    runs[0].arrivals.push_back({});
-    runs[0].arrivals.back().time_s = 0.1 * i;
-  }
-  const auto families = calib::poses_stamped_late(runs);
-  ASSERT_EQ(families.size(), 1U);
-  EXPECT_TRUE(families[0].may_be(0.3));
-  EXPECT_FALSE(families[0].may_be(1.5)) << "of five seconds";
+  EXPECT_TRUE(calib::odometry_of_other_scale(Site{}, runs).empty());
 }
 
 }  // namespace

@@ -11,4 +11,11 @@ namespace octant::calib {
 /// stated one, or a receiver dragged from its place.
 [[nodiscard]] bool seems_misread(const Problem& problem, const Solution& solution);
 
+/// Where the outcome looks as if the site file or a log were wrong as a whole, names what is (readings.h): as
+/// contradictions, in place of others, which are its consequences, and in the message of a refusal, in place
+/// of a measurement that would not help.
+/// @param adjusted  what the solution is of: the problem, or a subsampled one
+void explain(const Problem& problem, const Problem& adjusted, Solution& solution,
+             const SolveOptions& options);
+
 }  // namespace octant::calib

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/verdict/reach.h"
+#include "calib/verdict/validity.h"
 
 #include <gtest/gtest.h>
 

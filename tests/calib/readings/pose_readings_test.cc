@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/readings/pose_frames.h"
+#include "calib/readings/pose_readings.h"
+
+#include <cmath>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calib/statements/hints.h"
+#include "calib/readings/explain.h"
 #include "models/simulator/random.h"
 #include "tests/calib/calib_support.h"
 
@@ -16,23 +18,120 @@ namespace {
 // twice is what was written.
 TEST(Reflections, KeepDistancesAndUndoThemselves) {
   Random draws(3);
-  for (const calib::Reflection& reflection : calib::reflections()) {
-    SCOPED_TRACE(reflection.words);
+  std::vector<MeasurementLog> runs(1);
+  runs[0].poses.resize(1);
+  for (const calib::Reading& frame : calib::other_pose_frames(runs)) {
+    SCOPED_TRACE(frame.what.found);
+    const auto read = [&](const Pose& pose) {
+      MeasurementLog run = runs[0];
+      run.poses[0].T_map_vehicle = pose;
+      frame.log(0, run);
+      return run.poses[0].T_map_vehicle;
+    };
     for (int i = 0; i < 20; ++i) {
       const Pose a = Pose::planar(5 * draws.normal(), 5 * draws.normal(), draws.uniform(-3, 3)),
                  b = Pose::planar(5 * draws.normal(), 5 * draws.normal(), draws.uniform(-3, 3));
-      const Pose A = reflection.read(a), B = reflection.read(b);
+      const Pose A = read(a), B = read(b);
       EXPECT_NEAR((A.translation_m - B.translation_m).norm(), (a.translation_m - b.translation_m).norm(),
                   1e-12);
       EXPECT_NEAR(wrap_angle(B.heading_rad() - A.heading_rad() + b.heading_rad() - a.heading_rad()), 0.0,
                   1e-12);
       EXPECT_LT((A.rotation * Eigen::Vector3d::UnitZ() - Eigen::Vector3d::UnitZ()).norm(), 1e-12)
           << "z stays up";
-      const Pose again = reflection.read(A);
+      const Pose again = read(A);
       EXPECT_LT((again.translation_m - a.translation_m).norm(), 1e-12);
       EXPECT_NEAR(wrap_angle(again.heading_rad() - a.heading_rad()), 0.0, 1e-12);
     }
   }
+}
+
+TEST(OtherPoseFrames, AreNoneWithoutPoses) {
+  EXPECT_TRUE(calib::other_pose_frames({}).empty());
+  EXPECT_TRUE(calib::other_pose_frames(std::vector<MeasurementLog>(2)).empty());
+}
+
+TEST(OtherPoseFrames, MirrorEveryPoseOfEveryRun) {
+  std::vector<MeasurementLog> runs(2);
+  runs[1].poses = {{0.0, Pose::planar(1, 2, 0.3)}, {1.0, Pose::planar(3, -1, 2.0)}};
+  const auto readings = calib::other_pose_frames(runs);
+  ASSERT_EQ(readings.size(), 4U);
+  MeasurementLog run = runs[1];
+  readings[0].log(1, run);
+  EXPECT_EQ(run.poses[0].T_map_vehicle.translation_m, Eigen::Vector3d(1, -2, 0));
+  EXPECT_EQ(run.poses[1].T_map_vehicle.translation_m, Eigen::Vector3d(3, 1, 0));
+}
+
+/// A vehicle that goes straight on, ten poses a second and as many arrivals.
+MeasurementLog straight_on(double speed_mps) {
+  MeasurementLog run;
+  for (int i = 0; i < 50; ++i) {
+    run.poses.push_back({0.1 * i, Pose::planar(speed_mps * 0.1 * i, 1.0, 0.0)});
+    run.arrivals.push_back({});
+    run.arrivals.back().time_s = 0.1 * i;
+  }
+  return run;
+}
+
+TEST(PosesStampedLate, MatterWhereTheVehicleMovesWhileItIsMeasured) {
+  const auto families_of = [](const MeasurementLog& run) {
+    return calib::poses_stamped_late(std::vector<MeasurementLog>(1, run)).size();
+  };
+  EXPECT_EQ(families_of({}), 0U);
+  EXPECT_EQ(families_of(straight_on(0.0)), 0U);
+  EXPECT_EQ(families_of(straight_on(0.3)), 1U);
+  MeasurementLog stops = straight_on(0.3);  // one pose and arrival a stop, nothing between
+  for (std::size_t i = 0; i < stops.poses.size(); ++i)
+    stops.poses[i].time_s = stops.arrivals[i].time_s = 60.0 * static_cast<double>(i);
+  EXPECT_EQ(families_of(stops), 0U);
+}
+
+// A reading as a stop begins and one as it ends: a lag would take the poses of the last second away.
+TEST(PosesStampedLate, MayNotBeLost) {
+  const std::vector<MeasurementLog> runs = {straight_on(0.5)};
+  const auto families = calib::poses_stamped_late(runs);
+  ASSERT_EQ(families.size(), 1U);
+  EXPECT_TRUE(families[0].may_be(0.3));
+  EXPECT_FALSE(families[0].may_be(0.95)) << "of five seconds";
+  EXPECT_FALSE(families[0].may_be(1.5));
+}
+
+TEST(PosesStampedLate, AreReadAsTheArrivalsClockWouldHaveThem) {
+  std::vector<MeasurementLog> runs = {straight_on(0.3)};
+  runs[0].path = "run";
+  const calib::ReadingFamily family = calib::poses_stamped_late(runs).at(0);
+  const calib::Reading late = family.reading(0.25), early = family.reading(-0.25);
+  MeasurementLog run = runs[0];
+  late.log(0, run);
+  EXPECT_NEAR(run.poses[10].time_s, 0.75, 1e-12);
+  EXPECT_NEAR(run.poses[10].T_map_vehicle.translation_m.x(), 0.3, 1e-12);
+  early.log(0, run);
+  EXPECT_NEAR(run.poses[10].time_s, 1.0, 1e-12);
+  EXPECT_NE(late.what.found.find("0.25 s late"), std::string::npos);
+  EXPECT_NE(late.what.remedy.find("subtract 0.25 s from each time of run/poses.tum"), std::string::npos);
+  EXPECT_NE(early.what.remedy.find("add 0.25 s to each time of run/poses.tum"), std::string::npos);
+}
+
+TEST(PosesOfOtherPoint, AreReadAsTheOriginHasThem) {
+  std::vector<MeasurementLog> runs(1);
+  const Pose origin = Pose::planar(1, 2, M_PI / 2);
+  const Eigen::Vector3d prism(0.4, 0.1, 0.0);
+  runs[0].poses = {{1.0, {origin * prism, origin.rotation}}};
+  calib::poses_of_other_point(runs, prism).log(0, runs[0]);
+  EXPECT_LT((runs[0].poses[0].T_map_vehicle.translation_m - origin.translation_m).norm(), 1e-12);
+}
+
+TEST(WithoutPoses, LeavesThoseOfDrives) {
+  MeasurementLog stops, drive;
+  stops.has_epochs = true;
+  stops.poses.resize(3);
+  drive.poses.resize(3);
+  EXPECT_TRUE(calib::without_poses({drive}).empty());
+  const auto readings = calib::without_poses({drive, stops});
+  ASSERT_EQ(readings.size(), 1U);
+  readings[0].log(0, drive);
+  readings[0].log(1, stops);
+  EXPECT_EQ(drive.poses.size(), 3U);
+  EXPECT_TRUE(stops.poses.empty());
 }
 
 TEST(FrameBetween, IsTheOneThatTookThePointsThere) {

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "calib/adjust/adjust.h"
+#include "calib/problem/parameters.h"
+#include "models/trajectory/trajectory.h"
+
+namespace octant::calib {
+
+/// Shared parameters as they are known at some point of a calibration.
+struct Estimate {
+  ParameterLayout layout;
+  Eigen::VectorXd x;
+  AdjustResult last = {};                ///< of the adjustment that led to x
+  double noise_factor = 1.0;             ///< noise of the arrivals as found over the stated one
+  double pose_factor = 1.0;              ///< the same of measured poses
+  std::vector<bool> beacon_usable = {};  ///< found
+  /// A second place of a beacon, adjusted as well, is as good by all observations.
+  std::vector<bool> beacon_mirrored = {};
+  [[nodiscard]] SharedState state() const { return layout.state_of(x); }
+  /// Noise of a range.
+  [[nodiscard]] double sigma_m(const Problem& problem) const {
+    return problem.site.noise.tof_sigma_s * noise_factor * layout.nominal_speed_mps;
+  }
+};
+
+/// An estimate with the vehicle states that go with it.
+struct AdjustedLog {
+  Estimate estimate;
+  std::vector<Trajectory> trajectories;
+};
+
+}  // namespace octant::calib

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/readings/error_readings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace octant::calib {
+namespace {
+
+/// With an error of that kind and of any size, of either sign.
+ReadingFamily with_error(CommonError error, double least, double most, const Site& site,
+                         const std::vector<MeasurementLog>& runs) {
+  std::vector<std::pair<double, double>> spans_s;
+  for (const MeasurementLog& run : runs) spans_s.push_back(span_of(run.arrivals));
+  error.sigmas = 0.0;
+  const auto reading = [error, &site, &runs, spans_s](double size) -> Reading {
+    CommonError sized = error;
+    sized.size = size;
+    return {contradiction_of(sized, site, runs),
+            {},
+            [sized, spans_s](std::size_t run, MeasurementLog& log) {
+              if (is_of_odometry(sized) || run == sized.run) take_back(sized, spans_s[run], log);
+            },
+            true};
+  };
+  return {reading, least, most};
+}
+
+}  // namespace
+
+std::vector<ReadingFamily> odometry_of_other_scale(const Site& site,
+                                                   const std::vector<MeasurementLog>& runs) {
+  constexpr double kLeast = 0.01, kMost = 0.5;
+  const auto driven = std::ranges::find_if(runs, [](const auto& run) { return !run.odometry.empty(); });
+  if (driven == runs.end() || !std::ranges::all_of(driven->odometry, &OdometryStep::is_planar)) return {};
+  std::vector<ReadingFamily> families;
+  for (const CommonError::Kind kind : {CommonError::Kind::kWay, CommonError::Kind::kTurns})
+    families.push_back(with_error({.kind = kind, .run = static_cast<std::size_t>(driven - runs.begin())},
+                                  kLeast, kMost, site, runs));
+  return families;
+}
+
+std::vector<ReadingFamily> with_common_errors(const std::vector<CommonError>& errors, const Site& site,
+                                              const std::vector<MeasurementLog>& runs) {
+  constexpr std::size_t kClearest = 3;
+  constexpr double kLeast = 0.5, kMost = 16.0;  // of the size as found, which is small as all bends to it
+  std::vector<ReadingFamily> families;
+  for (const CommonError& error : errors)
+    if (!is_of_odometry(error) && families.size() < kClearest)
+      families.push_back(
+          with_error(error, kLeast * std::abs(error.size), kMost * std::abs(error.size), site, runs));
+  return families;
+}
+
+}  // namespace octant::calib

@@ -1,0 +1,192 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/readings/site_readings.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "calib/problem/site_units.h"
+#include "calib/readings/mixed_units.h"
+#include "calib/readings/wiring.h"
+
+namespace octant::calib {
+namespace {
+
+/// Control points among which every exchange of two is looked at.
+constexpr std::size_t kFewPoints = 4;
+
+Reading unit_reading(const LengthUnit& u, const ScaledParts& parts, const std::string& whose) {
+  return {
+      {ContradictionKind::kUnits, "positions of " + whose, "metres",
+       fmt::format("that they are in {}", u.name), 0.0,
+       fmt::format("multiply them (and their sigmas, where these are in {} too) by {:g}", u.name, u.metres)},
+      [u, parts](const Site& site) { return in_unit(site, u, parts); },
+      {}};
+}
+
+constexpr double kSamePlaceM = 1e-3;
+constexpr std::size_t kPlacesOfAMap = 3;  ///< fewer are the same map mirrored
+
+/// Where x forward and y left are, of what was written as x and y.
+struct AxesReading {
+  bool exchanged;
+  double sign_x, sign_y;
+  const char* words;
+  [[nodiscard]] Eigen::Vector3d read(const Eigen::Vector3d& v) const {
+    return exchanged ? Eigen::Vector3d(sign_x * v.y(), sign_y * v.x(), v.z())
+                     : Eigen::Vector3d(sign_x * v.x(), sign_y * v.y(), v.z());
+  }
+};
+constexpr std::array kAxes = {
+    AxesReading{false, 1, -1, "mirrored, left called right: their y has the wrong sign"},
+    AxesReading{false, -1, 1, "mirrored, front called rear: their x has the wrong sign"},
+    AxesReading{true, 1, 1, "mirrored: their x and y are exchanged"},
+    AxesReading{true, 1, -1, "turned: x counts to the right and y forward, not x forward and y left"},
+    AxesReading{true, -1, 1, "turned: x counts to the left and y backward, not x forward and y left"},
+    AxesReading{false, -1, -1, "turned: x counts backward and y to the right, not x forward and y left"}};
+
+Site with_receivers_read(const Site& site, std::size_t vehicle, const AxesReading& axes) {
+  Site other = site;
+  for (SiteReceiver& r : other.receivers) {
+    if (r.vehicle.index() != vehicle) continue;
+    r.position_m = axes.read(r.position_m);
+    r.sigma_m = axes.read(r.sigma_m).cwiseAbs();
+    if (r.axis) r.axis = axes.read(*r.axis);
+  }
+  return other;
+}
+
+/// Whether it moves a receiver, and to where none of the others stands: that is another wiring.
+bool is_another_array(const Site& site, std::size_t vehicle, const AxesReading& axes) {
+  return std::ranges::any_of(site.receivers, [&](const SiteReceiver& r) {
+    const Eigen::Vector3d read = axes.read(r.position_m);
+    return r.vehicle.index() == vehicle && std::ranges::none_of(site.receivers, [&](const SiteReceiver& s) {
+             return s.vehicle == r.vehicle && (s.position_m - read).norm() < kSamePlaceM;
+           });
+  });
+}
+
+Site with_map_mirrored(Site site) {
+  for (SiteBeacon& b : site.beacons) {
+    std::swap(b.position_m[0], b.position_m[1]);
+    std::swap(b.sigma_m[0], b.sigma_m[1]);
+  }
+  return site;
+}
+
+}  // namespace
+
+std::vector<Reading> other_ranging(const Site& site) {
+  if (site.timing.clock == Clock::kCycleOffset) return {};
+  const bool one_way = site.timing.ranging == Ranging::kOneWay;
+  const auto read = [one_way](Site other) {
+    other.timing.ranging = one_way ? Ranging::kTwoWay : Ranging::kOneWay;
+    return other;
+  };
+  return {Reading{
+      {ContradictionKind::kRanging, "the arrivals", one_way ? "one_way" : "two_way",
+       one_way ? "that the times of flight are times there and back (two-way), though timing.ranging says "
+                 "one_way"
+               : "that the times of flight are one-way times, though timing.ranging says two_way, the time "
+                 "there and back",
+       0.0, one_way ? "state timing.ranging: two_way, and turnaround_s" : "state timing.ranging: one_way"},
+      read,
+      {}}};
+}
+
+std::vector<Reading> other_units(const Site& site, const std::vector<MeasurementLog>& runs, bool some_only) {
+  const std::vector<bool> none(site.beacons.size(), false);
+  std::vector<bool> all = none;
+  for (std::size_t b = 0; b < all.size(); ++b)
+    all[b] = std::ranges::any_of(site.beacons[b].position_m, [](const auto& x) { return x.has_value(); });
+  const bool placed = std::ranges::find(all, true) != all.end();
+  std::vector<Reading> readings;
+  for (const LengthUnit& u : length_units()) {
+    if (placed && !some_only) readings.push_back(unit_reading(u, {all, false}, "the beacons"));
+    if (placed && !some_only) readings.push_back(unit_reading(u, {all, true}, "the beacons and receivers"));
+    if (!some_only) readings.push_back(unit_reading(u, {none, true}, "the receivers"));
+    std::vector<std::vector<bool>> shares = beacons_in_unit_by_ranges(site, runs, u);
+    const std::vector<bool> by_size = beacons_in_unit(site, u);
+    if (std::ranges::find(shares, by_size) == shares.end()) shares.push_back(by_size);
+    for (const std::vector<bool>& some : shares) {
+      std::vector<std::string> names;
+      for (std::size_t b = 0; b < some.size(); ++b)
+        if (some[b]) names.push_back(site.beacons[b].name);
+      if (!names.empty())
+        readings.push_back(unit_reading(u, {some, false}, fmt::format("beacons {}", fmt::join(names, ", "))));
+    }
+  }
+  return readings;
+}
+
+std::vector<Reading> exchanged_points(const Site& site) {
+  std::vector<std::size_t> points;
+  for (std::size_t b = 0; b < site.beacons.size(); ++b)
+    if (site.beacons[b].is_control_point()) points.push_back(b);
+  std::vector<Reading> readings;
+  if (points.size() > kFewPoints) return readings;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t j = i + 1; j < points.size(); ++j) {
+      const std::size_t a = points[i], b = points[j];
+      const std::string names = site.beacons[a].name + ", " + site.beacons[b].name;
+      readings.push_back(
+          {{ContradictionKind::kExchanged, names, "at the places in the site file", "at each other's places",
+            0.0,
+            fmt::format("exchange the positions of control points {} and {} in the site file, or their "
+                        "labels on the wall",
+                        site.beacons[a].name, site.beacons[b].name)},
+           [a, b](const Site& stated) {
+             Site other = stated;
+             std::swap(other.beacons[a].position_m, other.beacons[b].position_m);
+             return other;
+           },
+           {}});
+    }
+  return readings;
+}
+
+std::vector<Reading> other_wirings(const Site& site, const Solution& solution) {
+  std::vector<Reading> readings;
+  const std::vector<bool> doubtful = doubtful_receivers(site, solution.trajectories);
+  for (std::size_t v = 0; v < site.vehicles.size(); ++v)
+    for (const Wiring& wiring : wirings(site, VehicleId(v), doubtful))
+      readings.push_back(
+          {{ContradictionKind::kWiring, "of " + site.vehicles[v].name, "wired as in the site file",
+            "that " + wiring.words, 0.0, "check the cables, or exchange the places in the site file"},
+           [v, wiring](const Site& stated) { return rewired(stated, VehicleId(v), wiring); },
+           {}});
+  return readings;
+}
+
+std::vector<Reading> other_site_frames(const Site& site) {
+  std::vector<Reading> readings;
+  for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
+    if (site.vehicles[v].receiver_count < 2) continue;  // one has no left and right
+    for (const AxesReading& axes : kAxes)
+      if (is_another_array(site, v, axes))
+        readings.push_back({{ContradictionKind::kWiring, "of " + site.vehicles[v].name,
+                             "at their places in the vehicle frame",
+                             "that the receivers of " + site.vehicles[v].name + " are " + axes.words, 0.0,
+                             "write the receivers' places with x forward, y left and z up"},
+                            [v, axes](const Site& stated) { return with_receivers_read(stated, v, axes); },
+                            {}});
+  }
+  const auto placed = std::ranges::count_if(
+      site.beacons, [](const SiteBeacon& b) { return b.position_m[0] && b.position_m[1]; });
+  if (static_cast<std::size_t>(placed) >= kPlacesOfAMap)
+    readings.push_back(
+        {{ContradictionKind::kExchanged, "of the site file", "in a right-handed frame (z up)",
+          "that their map is mirrored: x and y are exchanged, or one of them has the wrong sign", 0.0,
+          "write the positions of the beacons in a right-handed frame: x and y as seen from above, "
+          "counter-clockwise from x to y"},
+         [](const Site& stated) { return with_map_mirrored(stated); },
+         {}});
+  return readings;
+}
+
+}  // namespace octant::calib
