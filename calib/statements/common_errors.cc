@@ -176,6 +176,7 @@ Contradiction of_speed(const CommonError& e, const Site& site, const std::string
 
 std::vector<CommonError> common_errors(const std::vector<Trajectory>& trajectories, const SharedState& state,
                                        double growth, int threads) {
+  if (trajectories.empty()) return {};  // nobody drove
   const std::vector<Trajectory> some = some_of_each(trajectories);
   Patterns patterns(some);
   const ScoreTest test = score_test(some, state, patterns.count(), std::ref(patterns), threads);

@@ -52,7 +52,7 @@ TEST(CommonErrors, AreToldApartAndSized) {
       {drive, {.kind = Kind::kSpeed, .size = 0.004}},
       {stops, {.kind = Kind::kSpeed, .size = -0.003}},
       {stops, {.kind = Kind::kDrift, .size = 1e-4}},
-      {drive, {.kind = Kind::kJump, .time_s = middle_s(drive), .size = 6e-5}}};
+      {stops, {.kind = Kind::kJump, .time_s = middle_s(stops), .size = 3e-5}}};
   for (const auto& [world, error] : cases) {
     const auto found = solution_of(with_error(world, error)).common_errors;
     SCOPED_TRACE(testing::Message() << static_cast<int>(error.kind) << " of " << error.size);
