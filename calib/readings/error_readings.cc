@@ -14,6 +14,7 @@ namespace {
 ReadingFamily with_error(CommonError error, double least, double most, const Site& site,
                          const std::vector<MeasurementLog>& runs) {
   std::vector<std::pair<double, double>> spans_s;
+  spans_s.reserve(runs.size());
   for (const MeasurementLog& run : runs) spans_s.push_back(span_of(run.arrivals));
   error.sigmas = 0.0;
   const auto reading = [error, &site, &runs, spans_s](double size) -> Reading {

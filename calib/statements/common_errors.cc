@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <iterator>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -41,73 +41,50 @@ struct Times {
   std::vector<double> jump_s;  ///< as many arrivals between one and the next
 };
 
-std::vector<Times> times_of(const std::vector<Trajectory>& trajectories) {
-  std::vector<std::vector<double>> all;
-  for (const Trajectory& t : trajectories) {
-    all.resize(std::max(all.size(), t.run + 1));
-    for (const ArrivalObservation& a : t.arrivals) all[t.run].push_back(a.time_s);
-  }
-  std::vector<Times> times(all.size());
-  for (std::size_t run = 0; run < all.size(); ++run) {
-    std::vector<double>& of_run = all[run];
-    if (of_run.empty()) continue;
-    std::ranges::sort(of_run);
-    times[run].span_s = {of_run.front(), of_run.back()};
-    for (std::size_t j = 1; j <= kJumps; ++j)
-      times[run].jump_s.push_back(of_run[j * of_run.size() / (kJumps + 1)]);
-  }
+Times times_of(const std::vector<Trajectory>& trajectories) {
+  std::vector<double> all;
+  for (const Trajectory& t : trajectories)
+    for (const ArrivalObservation& a : t.arrivals) all.push_back(a.time_s);
+  Times times;
+  if (all.empty()) return times;
+  std::ranges::sort(all);
+  times.span_s = {all.front(), all.back()};
+  for (std::size_t j = 1; j <= kJumps; ++j) times.jump_s.push_back(all[j * all.size() / (kJumps + 1)]);
   return times;
 }
 
-/// The errors that are tested, in order: odometry's way and turns, then of each run its speed, its drift and
-/// its jumps.
+/// The errors that are tested in a run, in order: odometry's way and turns, the medium's change, the clock's
+/// drift and its jumps.
 class Patterns {
  public:
-  explicit Patterns(const std::vector<Trajectory>& trajectories) : times_(times_of(trajectories)) {
-    const auto driven = std::ranges::find_if(trajectories, [](const auto& t) { return !t.odometry.empty(); });
-    if (driven != trajectories.end()) driven_run_ = driven->run;
-  }
+  static constexpr Eigen::Index kOfOdometry = 2, kCount = kOfOdometry + 2 + kJumps;
 
-  [[nodiscard]] Eigen::Index count() const { return first_of(times_.size()); }
+  explicit Patterns(Times times) : times_(std::move(times)) {}
 
   bool operator()(const Trajectory& t, const ObservationRow& row, Eigen::RowVectorXd& by) {
-    by.setZero();
+    by.setZero(kCount);
     if (row.kind == RowKind::kOdometry && t.motion == Motion::kPlanar) {
       of_step(t.odometry[row.index], by);
       return true;
     }
-    const Times& times = times_[t.run];
-    if (row.kind != RowKind::kTof || !(times.span_s.second > times.span_s.first)) return false;
+    if (row.kind != RowKind::kTof || !(times_.span_s.second > times_.span_s.first)) return false;
     const ArrivalObservation& a = t.arrivals[row.index];
-    const Eigen::Index at = first_of(t.run);
-    const double share = share_of(times.span_s, a.time_s);
-    by[at] = -a.tof_s * share / a.sigma_s;
-    by[at + 1] = share / a.sigma_s;
+    const double share = share_of(times_.span_s, a.time_s);
+    by[kOfOdometry] = -a.tof_s * share / a.sigma_s;
+    by[kOfOdometry + 1] = share / a.sigma_s;
     for (Eigen::Index j = 0; j < kJumps; ++j)
-      if (a.time_s >= times.jump_s[static_cast<std::size_t>(j)]) by[at + 2 + j] = 1.0 / a.sigma_s;
+      if (a.time_s >= times_.jump_s[static_cast<std::size_t>(j)]) by[kOfOdometry + 2 + j] = 1.0 / a.sigma_s;
     return true;
   }
 
-  [[nodiscard]] CommonError error_of(Eigen::Index column, const ScoreTest& test, double growth) const {
-    CommonError error{.kind = column == 0 ? Kind::kWay : Kind::kTurns,
-                      .run = driven_run_,
-                      .size = test.size(column),
-                      .sigmas = test.sigmas(column) / growth};
-    if (column < kOfOdometry) return error;
-    const Eigen::Index of_runs = column - kOfOdometry, what = of_runs % kOfRun;
-    error.run = static_cast<std::size_t>(of_runs / kOfRun);
-    error.kind = what == 0 ? Kind::kSpeed : what == 1 ? Kind::kDrift : Kind::kJump;
-    if (error.kind == Kind::kJump)
-      error.time_s = times_[error.run].jump_s[static_cast<std::size_t>(what - 2)];
-    return error;
+  [[nodiscard]] CommonError error_of(Eigen::Index column, std::size_t run) const {
+    if (column < kOfOdometry) return {.kind = column == 0 ? Kind::kWay : Kind::kTurns, .run = run};
+    const Eigen::Index what = column - kOfOdometry;
+    if (what < 2) return {.kind = what == 0 ? Kind::kSpeed : Kind::kDrift, .run = run};
+    return {.kind = Kind::kJump, .run = run, .time_s = times_.jump_s[static_cast<std::size_t>(what - 2)]};
   }
 
  private:
-  static constexpr Eigen::Index kOfOdometry = 2, kOfRun = 2 + kJumps;
-  static Eigen::Index first_of(std::size_t run) {
-    return kOfOdometry + static_cast<Eigen::Index>(run) * kOfRun;
-  }
-
   /// Rows of a step come one after the other: x, y, heading.
   void of_step(const OdometryObservation& o, Eigen::RowVectorXd& by) {
     const int component = odometry_rows_++ % 3;
@@ -118,18 +95,47 @@ class Patterns {
     }
   }
 
-  std::vector<Times> times_;
-  std::size_t driven_run_ = 0;
+  Times times_;
   int odometry_rows_ = 0;
 };
 
-std::vector<Trajectory> some_of_each(const std::vector<Trajectory>& trajectories) {
+/// By run.
+std::map<std::size_t, std::vector<Trajectory>> some_of_each(const std::vector<Trajectory>& trajectories) {
   std::size_t arrivals = 0;
   for (const Trajectory& t : trajectories) arrivals += t.arrivals.size();
-  std::vector<Trajectory> some;
-  some.reserve(trajectories.size());
-  for (const Trajectory& t : trajectories) some.push_back(some_segments(t, arrivals / kArrivals + 1));
+  std::map<std::size_t, std::vector<Trajectory>> some;
+  for (const Trajectory& t : trajectories) some[t.run].push_back(some_segments(t, arrivals / kArrivals + 1));
   return some;
+}
+
+/// Each error of each run beyond chance, and odometry's, of which all runs have one.
+std::vector<CommonError> all_beyond_chance(const std::vector<Trajectory>& trajectories,
+                                           const SharedState& state, double growth, int threads) {
+  std::vector<CommonError> all;
+  const auto add = [&](CommonError error, const ScoreTest& test, Eigen::Index column) {
+    error.size = test.size(column);
+    error.sigmas = test.sigmas(column) / growth;
+    if (std::abs(error.sigmas) > kBeyondChance) all.push_back(error);
+  };
+  ScoreTest of_odometry{Eigen::VectorXd::Zero(Patterns::kOfOdometry),
+                        Eigen::VectorXd::Zero(Patterns::kOfOdometry)};
+  std::size_t driven_run = 0;
+  for (const auto& [run, of_run] : some_of_each(trajectories)) {
+    const Times times = times_of(of_run);
+    Patterns patterns(times);
+    const ScoreTest test = score_test(of_run, state, Patterns::kCount, std::ref(patterns), threads);
+    of_odometry.gradient += test.gradient.head(Patterns::kOfOdometry);
+    of_odometry.information += test.information.head(Patterns::kOfOdometry);
+    if (test.information.head(Patterns::kOfOdometry).sum() > 0) driven_run = run;
+    if (times.jump_s.empty()) continue;  // nothing was heard
+    const bool is_sound = of_run.front().nominal_speed_mps < kFasterThanSound_mps;
+    for (Eigen::Index column = Patterns::kOfOdometry; column < Patterns::kCount; ++column)
+      if (const CommonError error = patterns.error_of(column, run); is_sound || error.kind != Kind::kSpeed)
+        add(error, test, column);
+  }
+  for (Eigen::Index column = 0; column < Patterns::kOfOdometry; ++column)
+    add(Patterns(Times{}).error_of(column, driven_run), of_odometry, column);
+  return all;
 }
 
 /// Errors of different recordings, or of odometry and of arrivals, do not explain each other.
@@ -176,16 +182,7 @@ Contradiction of_speed(const CommonError& e, const Site& site, const std::string
 
 std::vector<CommonError> common_errors(const std::vector<Trajectory>& trajectories, const SharedState& state,
                                        double growth, int threads) {
-  if (trajectories.empty()) return {};  // nobody drove
-  const std::vector<Trajectory> some = some_of_each(trajectories);
-  Patterns patterns(some);
-  const ScoreTest test = score_test(some, state, patterns.count(), std::ref(patterns), threads);
-  std::vector<CommonError> all;
-  for (Eigen::Index column = 0; column < patterns.count(); ++column) {
-    const CommonError e = patterns.error_of(column, test, growth);
-    const bool can_be = e.kind != Kind::kSpeed || some.front().nominal_speed_mps < kFasterThanSound_mps;
-    if (can_be && std::abs(e.sigmas) > kBeyondChance) all.push_back(e);
-  }
+  std::vector<CommonError> all = all_beyond_chance(trajectories, state, growth, threads);
   std::ranges::stable_sort(all, std::ranges::greater{}, [](const auto& e) { return std::abs(e.sigmas); });
   std::vector<CommonError> errors;
   for (CommonError& e : all) {

@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
+#include <new>
 #include <thread>
 
 namespace octant {
@@ -26,11 +27,14 @@ class Helpers {
   static Helpers& all() {
     static Helpers* const helpers = [] {
       auto* made = new Helpers;
-      // A fork has none of the threads, and the lock as it was.
+      // A fork has none of the threads, the lock as it was, and conditions that still count the parent's
+      // waiters: who would wake these waits for them to leave.
       pthread_atfork([] { all().mutex_.lock(); }, [] { all().mutex_.unlock(); },
                      [] {
                        all().count_ = all().idle_ = 0;
                        all().jobs_.clear();
+                       new (&all().work_) std::condition_variable;
+                       new (&all().done_) std::condition_variable;
                        all().mutex_.unlock();
                      });
       return made;

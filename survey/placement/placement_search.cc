@@ -353,7 +353,7 @@ MountLayout refine_layout(const SearchSpace& space, const MountLayout& start, La
                           const PlacementOptions& options, SearchResult& result) {
   ContinuousSearch search(space, score, options, start.size());
   search.set_stage(1.0, 1.0);
-  const auto layout = search.run(algorithm_of(options.local), start, 0.01, /*soft=*/false);
+  auto layout = search.run(algorithm_of(options.local), start, 0.01, /*soft=*/false);
   result.evaluations += search.evaluations();
   result.interrupted = result.interrupted || search.interrupted();
   return layout;
