@@ -63,7 +63,8 @@ class Patterns {
 
   bool operator()(const Trajectory& t, const ObservationRow& row, Eigen::RowVectorXd& by) {
     by.setZero(kCount);
-    if (row.kind == RowKind::kOdometry && t.motion == Motion::kPlanar) {
+    // Beside measured poses little hangs on odometry, and exact ones tell how the way between rows was bent.
+    if (row.kind == RowKind::kOdometry && t.motion == Motion::kPlanar && t.poses.empty()) {
       of_step(t.odometry[row.index], by);
       return true;
     }

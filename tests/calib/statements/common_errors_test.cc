@@ -76,6 +76,16 @@ TEST(CommonErrors, OdometryThatTurnsTooFarIsContradicted) {
   EXPECT_THAT(solution.contradictions[0].found, HasSubstr("% too large"));
 }
 
+// What bends between two rows is seen by exact poses as a scale; it does no harm beside them.
+TEST(CommonErrors, OdometryIsNotJudgedBesideMeasuredPoses) {
+  Scenario s = drive_scenario(40.0);
+  s.log_poses = true;
+  const World world = with_error(must(simulate(s, 6)), {.kind = Kind::kTurns, .size = 0.03});
+  const calib::Solution solution = solution_of(world);
+  for (const calib::CommonError& e : calib::common_errors(solution.trajectories, solution.state, 1.0))
+    EXPECT_FALSE(calib::is_of_odometry(e));
+}
+
 TEST(CommonErrors, AHallThatWarmsIsToldAndNothingIsBlamed) {
   const World world = with_error(cart(60, 7), {.kind = Kind::kSpeed, .size = 0.003});
   const calib::Solution solution = explained_solution(world);
