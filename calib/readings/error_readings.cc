@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/readings/error_readings.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>
+
+#include "calib/readings/odometry_readings.h"
 
 namespace octant::calib {
 namespace {
@@ -35,12 +36,11 @@ ReadingFamily with_error(CommonError error, double least, double most, const Sit
 std::vector<ReadingFamily> odometry_of_other_scale(const Site& site,
                                                    const std::vector<MeasurementLog>& runs) {
   constexpr double kLeast = 0.01, kMost = 0.5;
-  const auto driven = std::ranges::find_if(runs, [](const auto& run) { return !run.odometry.empty(); });
-  if (driven == runs.end() || !std::ranges::all_of(driven->odometry, &OdometryStep::is_planar)) return {};
+  const auto run = run_of_planar_odometry(runs);
+  if (!run) return {};
   std::vector<ReadingFamily> families;
   for (const CommonError::Kind kind : {CommonError::Kind::kWay, CommonError::Kind::kTurns})
-    families.push_back(with_error({.kind = kind, .run = static_cast<std::size_t>(driven - runs.begin())},
-                                  kLeast, kMost, site, runs));
+    families.push_back(with_error({.kind = kind, .run = *run}, kLeast, kMost, site, runs));
   return families;
 }
 

@@ -14,10 +14,8 @@ namespace {
 
 /// Where it is; empty: there is none, or it is in space.
 std::string planar_odometry(const std::vector<MeasurementLog>& runs) {
-  const auto driven = std::ranges::find_if(runs, [](const auto& run) { return !run.odometry.empty(); });
-  return driven != runs.end() && std::ranges::all_of(driven->odometry, &OdometryStep::is_planar)
-             ? driven->path + "/odometry.csv"
-             : "";
+  const auto run = run_of_planar_odometry(runs);
+  return run ? runs[*run].path + "/odometry.csv" : "";
 }
 
 /// Factors by which steps are read.
@@ -41,6 +39,13 @@ Reading with_other_steps(std::string file, const char* stated, std::string found
 }
 
 }  // namespace
+
+std::optional<std::size_t> run_of_planar_odometry(const std::vector<MeasurementLog>& runs) {
+  const auto driven = std::ranges::find_if(runs, [](const auto& run) { return !run.odometry.empty(); });
+  if (driven == runs.end() || !std::ranges::all_of(driven->odometry, &OdometryStep::is_planar))
+    return std::nullopt;
+  return static_cast<std::size_t>(driven - runs.begin());
+}
 
 std::vector<Reading> other_odometry(const std::vector<MeasurementLog>& runs) {
   struct Convention {

@@ -78,8 +78,8 @@ class Patterns {
     return true;
   }
 
+  /// Of a column behind odometry's.
   [[nodiscard]] CommonError error_of(Eigen::Index column, std::size_t run) const {
-    if (column < kOfOdometry) return {.kind = column == 0 ? Kind::kWay : Kind::kTurns, .run = run};
     const Eigen::Index what = column - kOfOdometry;
     if (what < 2) return {.kind = what == 0 ? Kind::kSpeed : Kind::kDrift, .run = run};
     return {.kind = Kind::kJump, .run = run, .time_s = times_.jump_s[static_cast<std::size_t>(what - 2)]};
@@ -134,8 +134,8 @@ std::vector<CommonError> all_beyond_chance(const std::vector<Trajectory>& trajec
       if (const CommonError error = patterns.error_of(column, run); is_sound || error.kind != Kind::kSpeed)
         add(error, test, column);
   }
-  for (Eigen::Index column = 0; column < Patterns::kOfOdometry; ++column)
-    add(Patterns(Times{}).error_of(column, driven_run), of_odometry, column);
+  add({.kind = Kind::kWay, .run = driven_run}, of_odometry, 0);
+  add({.kind = Kind::kTurns, .run = driven_run}, of_odometry, 1);
   return all;
 }
 

@@ -36,18 +36,14 @@ bool may_be_directional(const Problem& problem, const std::vector<Trajectory>& t
          std::ranges::any_of(trajectories, measured);
 }
 
-/// Median over the parameters of how much larger the sigmas are than those of white noise.
+/// Median over the parameters of how much larger the sigmas are than those of white noise; 1 where errors are
+/// white.
 double growth_of_sigmas(const Solution& solution) {
   std::vector<double> growth;
   const Eigen::MatrixXd &honest = solution.covariance.matrix, &white = solution.white_covariance.matrix;
   for (Eigen::Index i = 0; i < white.rows(); ++i)
     if (white(i, i) > 0) growth.push_back(std::sqrt(honest(i, i) / white(i, i)));
-  return median(std::move(growth));
-}
-
-/// The same where they may be white, of which they are at least as large.
-double growth(const Solution& solution) {
-  return solution.white_covariance.parameters.empty() ? 1.0 : std::max(1.0, growth_of_sigmas(solution));
+  return growth.empty() ? 1.0 : std::max(1.0, median(std::move(growth)));
 }
 
 void warn_of_correlation(const Estimate& estimate, const std::vector<Trajectory>& trajectories, int threads,
@@ -138,7 +134,7 @@ void contradict(const Problem& problem, const SolveOptions& options, const Estim
   for (Contradiction& c : stated.contradictions) solution.contradictions.push_back(std::move(c));
   if (!stated.fit) return;
   Agreement agreement =
-      agreement_of(problem, options, *stated.fit, solution.contradictions, growth(solution));
+      agreement_of(problem, options, *stated.fit, solution.contradictions, growth_of_sigmas(solution));
   for (Contradiction& c : agreement.contradictions) solution.contradictions.push_back(std::move(c));
   for (std::string& warning : agreement.warnings) solution.warnings.push_back(std::move(warning));
 }
@@ -213,7 +209,8 @@ void conclude_as_is(const Problem& problem, const SolveOptions& options, const E
   if (solution.status == SolveStatus::kConverged && !is_bent_by_a_clock(problem, solution))
     contradict(problem, options, estimate, trajectories, solution);
   if (solution.status == SolveStatus::kConverged)
-    solution.common_errors = common_errors(trajectories, solution.state, growth(solution), options.threads);
+    solution.common_errors =
+        common_errors(trajectories, solution.state, growth_of_sigmas(solution), options.threads);
   if (solution.contradictions.empty()) tell_common_errors(problem, solution);
   if (!solution.contradictions.empty())
     return;  // which tell the culprit; what follows would name the innocent

@@ -5,9 +5,21 @@
 #include <cmath>
 #include <cstdint>
 
+#include "calib/readings/explain.h"
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
+
+/// With the false statement behind it looked for, as `octant calibrate` does.
+inline calib::Solution explained_solution(const World& world) {
+  const calib::Problem problem = problem_of(world);
+  calib::Solution solution = calib::solve(problem);
+  calib::explain(problem, problem, solution, {});
+  return solution;
+}
+inline std::vector<Contradiction> explained(const World& world) {
+  return explained_solution(world).contradictions;
+}
 
 /// A hall where a cart with four receivers, no square, stops.
 inline World cart(int epochs = 40, std::uint64_t seed = 1, double echoes = 0.03) {

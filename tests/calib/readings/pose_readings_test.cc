@@ -7,9 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calib/readings/explain.h"
 #include "models/simulator/random.h"
-#include "tests/calib/calib_support.h"
+#include "tests/calib/readings/cart.h"
 
 namespace octant::test {
 namespace {
@@ -188,13 +187,6 @@ World surveyed_in(const Pose& T_frame_map) {
   World world = must(simulate(s, 3));
   for (TimedPose& pose : world.run.poses) pose.T_map_vehicle = T_frame_map * pose.T_map_vehicle;
   return world;
-}
-
-std::vector<Contradiction> explained(const World& world) {
-  const calib::Problem problem = problem_of(world);
-  calib::Solution solution = calib::solve(problem);
-  calib::explain(problem, problem, solution, {});
-  return solution.contradictions;
 }
 
 // All control points were blamed, one by one.

@@ -63,13 +63,6 @@ World three_points(std::uint64_t seed) {
   return world;
 }
 
-std::vector<Contradiction> explained(const World& world) {
-  const calib::Problem problem = problem_of(world);
-  calib::Solution solution = calib::solve(problem);
-  calib::explain(problem, problem, solution, {});
-  return solution.contradictions;
-}
-
 // The adjustment of the whole log bends to such a jump: delays, receivers and places are blamed for it.
 TEST(Readings, NameAClockThatJumped) {
   for (const auto& [share, jump_s] : {std::pair{0.66, -3e-3}, {0.3, 1e-3}, {0.5, 2e-4}}) {

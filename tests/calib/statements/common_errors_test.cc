@@ -8,7 +8,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calib/readings/explain.h"
 #include "tests/calib/readings/cart.h"
 
 namespace octant::test {
@@ -29,13 +28,6 @@ World with_error(World world, calib::CommonError error) {
 }
 
 double middle_s(const World& world) { return world.run.arrivals[world.run.arrivals.size() / 2].time_s; }
-
-calib::Solution explained_solution(const World& world) {
-  const calib::Problem problem = problem_of(world);
-  calib::Solution solution = calib::solve(problem);
-  calib::explain(problem, problem, solution, {});
-  return solution;
-}
 
 TEST(CommonErrors, AreNoneWhereThereAreNone) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
