@@ -36,11 +36,11 @@ void hand_over(const SystemResiduals& from, const ParameterLayout& layout, const
   }
 }
 
-/// All tiles (tile < 0) or one of them.
-class TileCost : public ceres::CostFunction {
+/// All observations (part < 0) or a part of them.
+class PartCost : public ceres::CostFunction {
  public:
-  TileCost(const EvaluationPoint* point, int tile, std::vector<int> blocks)
-      : point_(point), tile_(tile), blocks_(std::move(blocks)) {
+  PartCost(const EvaluationPoint* point, int part, std::vector<int> blocks)
+      : point_(point), part_(part), blocks_(std::move(blocks)) {
     int columns = 0;
     for (const int b : blocks_) {
       const int size = point->layout->blocks[static_cast<std::size_t>(b)].size;
@@ -51,14 +51,15 @@ class TileCost : public ceres::CostFunction {
   }
 
   bool Evaluate(double const* const*, double* residuals, double** jacobians) const override {
-    const double cost = tile_ < 0 ? point_->cost : point_->tiles->costs()[static_cast<std::size_t>(tile_)];
+    const double cost =
+        part_ < 0 ? point_->cost : point_->observations->costs()[static_cast<std::size_t>(part_)];
     if (jacobians == nullptr) {
       // Only the cost is asked for: it may stand in one row. Where nothing is left of it, what rounds may be
       // below zero.
       std::fill(residuals, residuals + num_residuals() - 1, 0.0);
       residuals[num_residuals() - 1] = std::sqrt(2.0 * std::max(0.0, cost));
     } else {
-      hand_over(point_->residuals[static_cast<std::size_t>(std::max(tile_, 0))], *point_->layout, blocks_,
+      hand_over(point_->residuals[static_cast<std::size_t>(std::max(part_, 0))], *point_->layout, blocks_,
                 residuals, jacobians);
     }
     return std::isfinite(cost);
@@ -66,7 +67,7 @@ class TileCost : public ceres::CostFunction {
 
  private:
   const EvaluationPoint* point_;
-  int tile_;
+  int part_;
   std::vector<int> blocks_;
 };
 
@@ -103,17 +104,23 @@ class PriorCost : public ceres::CostFunction {
   std::vector<int> blocks_;
 };
 
-/// The parameter blocks that a row touches, in order.
-std::vector<int> blocks_of(const PriorRow& row, const ParameterLayout& layout) {
+/// The parameter blocks of some columns, in order. @param columns  ascending
+std::vector<int> blocks_of(const std::vector<int>& columns, const ParameterLayout& layout) {
   std::vector<int> blocks;
-  for (std::size_t k = 0; k < layout.blocks.size(); ++k) {
-    const ParameterBlock& block = layout.blocks[k];
-    if (std::ranges::any_of(row.entries, [&](const auto& entry) {
-          return entry.first >= block.first && entry.first < block.first + block.size;
-        }))
-      blocks.push_back(static_cast<int>(k));
+  std::size_t k = 0;
+  for (const int column : columns) {
+    while (layout.blocks[k].first + layout.blocks[k].size <= column) ++k;
+    if (blocks.empty() || blocks.back() != static_cast<int>(k)) blocks.push_back(static_cast<int>(k));
   }
   return blocks;
+}
+
+std::vector<int> blocks_of(const PriorRow& row, const ParameterLayout& layout) {
+  std::vector<int> columns;
+  columns.reserve(row.entries.size());
+  for (const auto& [column, derivative] : row.entries) columns.push_back(column);
+  std::ranges::sort(columns);
+  return blocks_of(columns, layout);
 }
 
 struct IterationWatch : ceres::IterationCallback {
@@ -175,9 +182,9 @@ void add_parameters(const ParameterLayout& layout, Eigen::VectorXd& x, ceres::Pr
 }
 
 AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, SystemSum& observations,
-                        TileSum* tiles, Eigen::VectorXd& x, const AdjustOptions& options) {
+                        Eigen::VectorXd& x, const AdjustOptions& options) {
   AdjustResult result;
-  EvaluationPoint point(problem, &observations, tiles, &layout, &x, options);
+  EvaluationPoint point(problem, &observations, &layout, &x, options);
   point.state = layout.state_of(x);
   point.priors = prior_rows(problem, layout, x);
   if (layout.size() == 0) {  // everything is held: only the vehicle states move
@@ -206,11 +213,11 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
   if (point.dense) {
     std::vector<int> all(layout.blocks.size());
     std::iota(all.begin(), all.end(), 0);
-    add(new TileCost(&point, -1, all), all);
+    add(new PartCost(&point, -1, all), all);
   } else {
-    for (std::size_t i = 0; i < tiles->tiles().size(); ++i)
-      if (const std::vector<int>& blocks = tiles->tiles()[i].blocks(); !blocks.empty())
-        add(new TileCost(&point, static_cast<int>(i), blocks), blocks);
+    for (std::size_t i = 0; i < observations.costs().size(); ++i)
+      if (const std::vector<int> blocks = blocks_of(observations.columns_of(i), layout); !blocks.empty())
+        add(new PartCost(&point, static_cast<int>(i), blocks), blocks);
   }
   add_priors(static_cast<std::size_t>(layout.size()), point.priors.size());
   IterationWatch iteration_watch;
@@ -227,7 +234,7 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
   result.message =
       point.at_rest ? "converged: the predicted decrease is below the tolerance" : summary.message;
   if (point.dense && point.reduced_at.size() == layout.size() && point.rays_are_the_same())
-    result.data_information = std::move(point.sum.H);
+    result.data = SystemParts({all_columns(layout.size()), std::move(point.sum)});
   return result;
 }
 
@@ -236,7 +243,7 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
 AdjustResult adjust(const Problem& problem, const ParameterLayout& layout,
                     std::vector<Trajectory>& trajectories, Eigen::VectorXd& x, const AdjustOptions& options) {
   TileSum tiles(trajectories, layout, options.workers);
-  AdjustResult result = adjust_all(problem, layout, tiles, &tiles, x, options);
+  AdjustResult result = adjust_all(problem, layout, tiles, x, options);
   if (layout.size() == 0) tiles.commit();  // else every accepted point was reduced, and so committed
   tiles.share_states();
   return result;
@@ -244,7 +251,7 @@ AdjustResult adjust(const Problem& problem, const ParameterLayout& layout,
 
 AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, SystemSum& observations,
                     Eigen::VectorXd& x, const AdjustOptions& options) {
-  return adjust_all(problem, layout, observations, nullptr, x, options);
+  return adjust_all(problem, layout, observations, x, options);
 }
 
 }  // namespace octant::calib

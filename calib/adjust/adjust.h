@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "calib/adjust/ranks.h"
+#include "calib/chain/reduced_system.h"
 #include "calib/problem/parameters.h"
 
 namespace octant::calib {
@@ -29,9 +30,9 @@ struct AdjustResult {
   int iterations = 0;
   double cost = 0.0;    ///< 1/2 sum of rho, priors and control distances included
   std::string message;  ///< why it stopped, Ceres's own words where it was Ceres that found so
-  /// Gauss-Newton matrix of all arrivals and bearings under the loss of the adjustment, where it was formed
-  /// as a whole: at x, or before a last step that changes it by less than a part in a thousand.
-  std::optional<Eigen::MatrixXd> data_information;
+  /// All arrivals and bearings under the loss of the adjustment, where their system was formed and is still
+  /// known: at x, or before a last step that changes its matrix by less than a part in a thousand.
+  std::optional<SystemParts> data;
 };
 
 /// One adjustment of all shared parameters by Ceres: the sum of all tiles is one cost function (at sites of
@@ -44,7 +45,7 @@ struct AdjustResult {
 AdjustResult adjust(const Problem& problem, const ParameterLayout& layout,
                     std::vector<Trajectory>& trajectories, Eigen::VectorXd& x, const AdjustOptions& options);
 
-/// Adjusts observations that are no tiles, on a layout that is dense.
+/// Adjusts observations that are no tiles.
 AdjustResult adjust(const Problem& problem, const ParameterLayout& layout, SystemSum& observations,
                     Eigen::VectorXd& x, const AdjustOptions& options);
 

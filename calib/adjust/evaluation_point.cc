@@ -54,14 +54,13 @@ void EvaluationPoint::PrepareForEvaluation(bool evaluate_jacobians, bool new_eva
     evaluate_system();
     return;
   }
-  std::vector<ReducedSystem> systems;
-  tiles->reduce_each(state, options->loss, systems);
-  cost = std::accumulate(systems.begin(), systems.end(), 0.0,
-                         [](double before, const ReducedSystem& one) { return before + one.cost; });
-  residuals.resize(systems.size());
-  for_each_parallel(systems.size(), options->workers.threads, [&](std::size_t i) {
-    residuals[i] = system_residuals_of(systems[i]);
-    systems[i] = {};
+  std::vector<SystemPart> parts = observations->reduce_each(state, options->loss);
+  cost = std::accumulate(parts.begin(), parts.end(), 0.0,
+                         [](double before, const SystemPart& part) { return before + part.system.cost; });
+  residuals.resize(parts.size());
+  for_each_parallel(parts.size(), options->workers.threads, [&](std::size_t i) {
+    residuals[i] = system_residuals_of(parts[i].system);
+    parts[i] = {};
   });
 }
 

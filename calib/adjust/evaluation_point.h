@@ -23,20 +23,17 @@ struct SystemResiduals {
 /// All observations at the point that Ceres asks about, evaluated once for whoever wants to know: a candidate
 /// is solved, and where it is taken only its reduction is added.
 struct EvaluationPoint : ceres::EvaluationCallback {
-  EvaluationPoint(const Problem& problem_of_all, SystemSum* all, TileSum* all_tiles,
-                  const ParameterLayout* layout_of_all, const Eigen::VectorXd* x_of_all,
-                  const AdjustOptions& options_of_all)
+  EvaluationPoint(const Problem& problem_of_all, SystemSum* all, const ParameterLayout* layout_of_all,
+                  const Eigen::VectorXd* x_of_all, const AdjustOptions& options_of_all)
       : problem(&problem_of_all),
         observations(all),
-        tiles(all_tiles),
         layout(layout_of_all),
         x(x_of_all),
         options(&options_of_all),
-        dense(tiles == nullptr || is_dense(*layout_of_all)) {}
+        dense(is_dense(*layout_of_all)) {}
 
   const Problem* problem;
   SystemSum* observations;
-  TileSum* tiles;  ///< the same, where each may be asked for its own
   const ParameterLayout* layout;
   const Eigen::VectorXd* x;
   const AdjustOptions* options;
@@ -48,7 +45,7 @@ struct EvaluationPoint : ceres::EvaluationCallback {
   bool at_rest = false;                    ///< the step that led here was the last worth taking
   ReducedSystem sum;                       ///< dense
   Eigen::VectorXd reduced_at;              ///< where that was formed
-  std::vector<SystemResiduals> residuals;  ///< of the sum; else of each tile
+  std::vector<SystemResiduals> residuals;  ///< of the sum; else of each part
 
   void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override;
 

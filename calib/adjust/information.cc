@@ -41,29 +41,33 @@ class SparseSum {
 
 }  // namespace
 
+Eigen::SparseMatrix<double> sparse_information(const Problem& problem, const ParameterLayout& layout,
+                                               const Eigen::VectorXd& x, std::vector<SystemPart> data) {
+  SparseSum sum(layout.size());
+  for (SystemPart& part : data) {
+    const std::vector<int>& columns = part.columns;
+    for (std::size_t j = 0; j < columns.size(); ++j)
+      for (std::size_t i = 0; i < columns.size(); ++i)
+        if (const double h = part.system.H(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+            h != 0.0)
+          sum.add(columns[i], columns[j], h);
+    part = {};  // their memory is that of the sum from here on
+  }
+  // The whole diagonal is there, whatever it holds.
+  for (int i = 0; i < layout.size(); ++i) sum.add(i, i, 0.0);
+  for_each_of_prior(problem, layout, x, [&](int i, int j, double value) { sum.add(i, j, value); });
+  return sum.result();
+}
+
 Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem, const ParameterLayout& layout,
                                                   std::vector<Trajectory>& trajectories,
                                                   const Eigen::VectorXd& x, const Workers& workers) {
   const SharedState state = layout.state_of(x);
   TileSum tiles(trajectories, layout, workers);
   static_cast<void>(tiles.solve_states(state, {}));
-  std::vector<ReducedSystem> systems;
-  tiles.reduce_each(state, {}, systems);
+  std::vector<SystemPart> data = tiles.reduce_each(state, {});
   tiles.share_states();
-  SparseSum sum(layout.size());
-  for (std::size_t t = 0; t < systems.size(); ++t) {
-    const std::vector<int>& columns = tiles.tiles()[t].columns();
-    for (std::size_t j = 0; j < columns.size(); ++j)
-      for (std::size_t i = 0; i < columns.size(); ++i)
-        if (const double h = systems[t].H(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-            h != 0.0)
-          sum.add(columns[i], columns[j], h);
-    systems[t] = {};
-  }
-  // The whole diagonal is there, whatever it holds.
-  for (int i = 0; i < layout.size(); ++i) sum.add(i, i, 0.0);
-  for_each_of_prior(problem, layout, x, [&](int i, int j, double value) { sum.add(i, j, value); });
-  return sum.result();
+  return sparse_information(problem, layout, x, std::move(data));
 }
 
 Information information_at(const Problem& problem, const ParameterLayout& layout,

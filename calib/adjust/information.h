@@ -8,6 +8,7 @@
 #include <Eigen/SparseCore>
 
 #include "calib/adjust/ranks.h"
+#include "calib/chain/reduced_system.h"
 #include "calib/problem/parameters.h"
 
 namespace octant::calib {
@@ -24,6 +25,12 @@ struct Information {
                                          const Workers& workers = {});
 /// The matrix of data and priors together, for sites where the dense one would be too large: it has all
 /// elements of parameters that some stop, prior or taped distance connects, both triangles.
+/// @param data  at x
+[[nodiscard]] Eigen::SparseMatrix<double> sparse_information(const Problem& problem,
+                                                             const ParameterLayout& layout,
+                                                             const Eigen::VectorXd& x,
+                                                             std::vector<SystemPart> data);
+/// The same of all observations, states settled.
 [[nodiscard]] Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem,
                                                                 const ParameterLayout& layout,
                                                                 std::vector<Trajectory>& trajectories,

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "calib/adjust/ranks.h"
+#include "calib/chain/reduced_system.h"
 #include "calib/problem/log_buffer.h"
 
 namespace octant::calib {
@@ -36,6 +37,12 @@ void sum_over(const Ranks* ranks, Record& record) {
   exchange(reader, record);
 }
 
+/// A system of the same columns on all ranks.
+template <class Buffer>
+void exchange(Buffer& buffer, BufferRecord<ReducedSystem> auto&& system) {
+  buffer.exchange(system.cost, system.gradient, system.H);
+}
+
 /// Lists of all parts of all ranks, one behind the other in the order of the parts.
 inline std::vector<double> in_order(const Ranks* ranks, std::vector<std::vector<double>> of_parts) {
   std::vector<double> mine;
@@ -56,6 +63,24 @@ inline std::vector<double> in_order(const Ranks* ranks, std::vector<std::vector<
   std::ranges::copy(mine, all.begin() + static_cast<std::ptrdiff_t>(sum_until(rank)));
   sum_over(ranks, all);
   return all;
+}
+
+/// Systems of whatever columns each rank has.
+inline void sum_over(const Ranks* ranks, SystemParts& data) {
+  if (ranks == nullptr) return;
+  std::vector<std::vector<double>> mine(1);
+  BufferWriter writer(mine.front());
+  for (const SystemPart& part : data.list()) writer.exchange(part.columns, part.system);
+  const std::vector<double> all = in_order(ranks, std::move(mine));
+  BufferReader reader(all);
+  data = {};
+  while (!reader.ended()) {
+    std::vector<int> columns;
+    reader.exchange(columns);
+    SystemPart part = empty_part(std::move(columns));
+    reader.exchange(part.system);
+    data.add(std::move(part));
+  }
 }
 
 }  // namespace octant::calib

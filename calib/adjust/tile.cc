@@ -72,13 +72,11 @@ void Tile::find_columns() {
   }
 
   local_of_.assign(touched.size(), -1);
-  for (std::size_t k = 0; k < layout.blocks.size(); ++k) {
-    const ParameterBlock& block = layout.blocks[k];
+  for (const ParameterBlock& block : layout.blocks) {
     bool any = false;
     for (int c = block.first; c < block.first + block.size; ++c)
       any = any || touched[static_cast<std::size_t>(c)] != 0;
     if (!any) continue;
-    blocks_.push_back(static_cast<int>(k));
     for (int c = block.first; c < block.first + block.size; ++c) {
       local_of_[static_cast<std::size_t>(c)] = static_cast<int>(columns_.size());
       columns_.push_back(c);

@@ -8,19 +8,12 @@
 #include <Eigen/Core>
 
 #include "calib/chain/chain_reduction.h"
+#include "calib/chain/reduced_system.h"
 #include "calib/lanes/stop_block.h"
 #include "calib/problem/parameters.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
-
-/// Cost, gradient and Gauss-Newton matrix of some observations in the shared parameters they touch, vehicle
-/// states eliminated.
-struct ReducedSystem {
-  double cost = 0.0;  ///< 1/2 sum of rho
-  Eigen::VectorXd gradient;
-  Eigen::MatrixXd H;
-};
 
 /// A tile: some segments of one trajectory. For given shared parameters it first settles its own vehicle
 /// states (variable projection), then eliminates them:
@@ -45,10 +38,8 @@ class Tile {
     for (const std::size_t s : general_) visit(s);
   }
 
-  /// Global columns of the parameters that this tile touches, ascending; the order of its system.
+  /// Global columns of the parameter blocks that this tile touches, ascending; the order of its system.
   [[nodiscard]] const std::vector<int>& columns() const { return columns_; }
-  /// Parameter blocks (indices into ParameterLayout::blocks) that cover columns().
-  [[nodiscard]] const std::vector<int>& blocks() const { return blocks_; }
 
   /// Where each column of the layout stands in columns(); -1: nowhere.
   [[nodiscard]] const std::vector<int>& local_of() const { return local_of_; }
@@ -77,7 +68,7 @@ class Tile {
 
   Trajectory* trajectory_;
   const ParameterLayout* layout_;
-  std::vector<int> columns_, blocks_;
+  std::vector<int> columns_;
   std::vector<int> local_of_;                         ///< global column -> local, -1
   std::vector<std::size_t> stop_segments_, general_;  ///< those that the vector kernel takes, all others
   std::vector<double> solved_costs_;                  ///< cost of each of the latter

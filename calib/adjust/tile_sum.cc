@@ -21,9 +21,7 @@ TileSum::TileSum(std::vector<Trajectory>& trajectories, const ParameterLayout& l
       workers_(workers),
       tiles_(make_tiles(trajectories, layout, workers.threads)),
       costs_(tiles_.size()),
-      all_columns_(static_cast<std::size_t>(layout.size())) {
-  std::iota(all_columns_.begin(), all_columns_.end(), 0);
-}
+      all_columns_(all_columns(layout.size())) {}
 
 bool TileSum::is_mine(std::size_t share) const {
   if (workers_.ranks == nullptr) return true;
@@ -81,24 +79,21 @@ void TileSum::reduce(const SharedState& state, const RobustLoss& loss, ReducedSy
   sum.cost = std::accumulate(costs_.begin(), costs_.end(), 0.0);
 }
 
-void TileSum::reduce_each(const SharedState& state, const RobustLoss& loss,
-                          std::vector<ReducedSystem>& systems) {
-  systems.resize(tiles_.size());
-  for (std::size_t i = 0; i < tiles_.size(); ++i) {
-    const auto n = static_cast<Eigen::Index>(tiles_[i].columns().size());
-    systems[i].H.setZero(n, n);
-    systems[i].gradient.setZero(n);
-  }
+std::vector<SystemPart> TileSum::reduce_each(const SharedState& state, const RobustLoss& loss) {
+  std::vector<SystemPart> parts;
+  parts.reserve(tiles_.size());
+  for (const Tile& tile : tiles_) parts.push_back(empty_part(tile.columns()));
   std::vector<double> off(tiles_.size(), 0.0);
   for_each_of_mine([&](Tile& tile, std::size_t i, std::size_t, int threads) {
-    off[i] = tile.reduce(state, loss, tile.local_of(), systems[i], threads);
+    off[i] = tile.reduce(state, loss, tile.local_of(), parts[i].system, threads);
     tile.commit();
   });
   correct_costs(off);
-  for (std::size_t i = 0; i < systems.size(); ++i) {
-    systems[i].cost = costs_[i];
-    complete(systems[i]);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    parts[i].system.cost = costs_[i];
+    complete(parts[i].system);
   }
+  return parts;
 }
 
 void TileSum::complete(ReducedSystem& system) const {

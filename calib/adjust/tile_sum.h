@@ -7,6 +7,7 @@
 
 #include "calib/adjust/ranks.h"
 #include "calib/adjust/tile.h"
+#include "calib/chain/reduced_system.h"
 #include "calib/problem/parameters.h"
 #include "models/trajectory/trajectory.h"
 
@@ -23,6 +24,13 @@ class SystemSum {
   virtual void reduce(const SharedState& state, const RobustLoss& loss, ReducedSystem& sum) = 0;
   /// Makes the states of the last `solve_states` those to begin from.
   virtual void commit() {}
+
+  /// Of sites few of whose parameters share an observation it is asked for by its parts, each of whole
+  /// parameter blocks: their columns, ascending; their costs at the last `solve_states`; their systems.
+  [[nodiscard]] virtual const std::vector<int>& columns_of(std::size_t part) const = 0;
+  [[nodiscard]] virtual const std::vector<double>& costs() const = 0;
+  [[nodiscard]] virtual std::vector<SystemPart> reduce_each(const SharedState& state,
+                                                            const RobustLoss& loss) = 0;
 
  protected:
   SystemSum() = default;
@@ -43,17 +51,19 @@ class TileSum : public SystemSum {
   /// Reduced system of everything in all the layout's parameters, at the states of the last `solve_states`;
   /// commits them.
   void reduce(const SharedState& state, const RobustLoss& loss, ReducedSystem& sum) override;
-  /// Reduces each tile to a system of its own (in Tile::columns), for sites few of whose parameters share an
-  /// observation.
-  void reduce_each(const SharedState& state, const RobustLoss& loss, std::vector<ReducedSystem>& systems);
+  /// Each tile is a part. Commits the states.
+  [[nodiscard]] std::vector<SystemPart> reduce_each(const SharedState& state,
+                                                    const RobustLoss& loss) override;
+  [[nodiscard]] const std::vector<int>& columns_of(std::size_t part) const override {
+    return tiles_[part].columns();
+  }
+  [[nodiscard]] const std::vector<double>& costs() const override { return costs_; }
   /// States as they were committed last, on every rank.
   void share_states();
 
   void commit() override;
 
   [[nodiscard]] const std::vector<Tile>& tiles() const { return tiles_; }
-  /// The cost of each tile at the last `solve_states`.
-  [[nodiscard]] const std::vector<double>& costs() const { return costs_; }
 
  private:
   [[nodiscard]] bool is_mine(std::size_t share) const;

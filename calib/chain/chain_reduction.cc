@@ -6,8 +6,8 @@
 #include <cstring>
 #include <type_traits>
 
-#include "calib/adjust/tile.h"
 #include "calib/chain/chain_kernel.h"
+#include "calib/chain/reduced_system.h"
 #include "calib/chain/stretch_reducer.h"
 #include "calib/lanes/stop_block.h"
 #include "models/support/parallel.h"

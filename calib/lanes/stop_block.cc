@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "calib/adjust/tile.h"
+#include "calib/chain/reduced_system.h"
 
 namespace octant::calib {
 namespace {

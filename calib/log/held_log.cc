@@ -55,7 +55,7 @@ Result<DataSquares> HeldLog::adjust_inliers(Estimate& estimate) {
     const std::size_t changed =
         reject_outliers(trajectories_, estimate.state(), options_.rejection_sigmas, options_.threads);
     if (round > 0 && changed == 0) break;
-    estimate.last.data_information.reset();
+    estimate.last.data.reset();
     if (!adjust_to_rest(estimate)) return interrupted();
   }
   statistics_ = statistics(estimate);
@@ -83,7 +83,7 @@ void HeldLog::scale_noise(Estimate& estimate, const NoiseFactors& factors) {
   estimate.pose_factor *= factors.poses;
   rescale_noise(trajectories_, before_s, factors.arrivals * before_s);
   rescale_poses(trajectories_, factors.poses);
-  estimate.last.data_information.reset();
+  estimate.last.data.reset();
   statistics_.reset();
 }
 

@@ -10,7 +10,7 @@
 
 #include "calib/adjust/adjust.h"
 #include "calib/adjust/priors.h"
-#include "calib/adjust/quadratic_sum.h"
+#include "calib/stream/quadratic_sum.h"
 
 namespace octant::calib {
 namespace {
@@ -58,7 +58,7 @@ class NewtonSteps {
       readings_.accept();
       sum = std::move(*next);
       x = estimate_.x;
-      cost = sum.system.cost + prior;
+      cost = sum.system.cost() + prior;
       damping = damping < kFirstDamping ? 0.0 : damping / 10;
       rejection_rounds += policy != RejectionPolicy::kKept;
       const NewtonStep step = stepped(sum.system, x, damping);
@@ -85,7 +85,7 @@ class NewtonSteps {
     estimate_.last.iterations = monitor_.iterations;
     estimate_.last.message = converged ? "no step changes the cost any more"
                                        : fmt::format("no rest after {} readings of the log", kMostPasses);
-    estimate_.last.data_information = sum.system.H;
+    estimate_.last.data = sum.system;
     return sum;
   }
 
@@ -95,15 +95,15 @@ class NewtonSteps {
     Eigen::VectorXd x;
     double gain = 0.0;
   };
-  [[nodiscard]] NewtonStep stepped(const ReducedSystem& system, const Eigen::VectorXd& from,
+  [[nodiscard]] NewtonStep stepped(const SystemParts& data, const Eigen::VectorXd& from,
                                    double damping) const {
     NewtonStep step{from, 0.0};
-    QuadraticSum sum(system, from, damping, &step.x);
+    QuadraticSum sum(data, from, damping, &step.x);
     AdjustOptions options;
     options.max_iterations = options_.max_iterations;
     options.function_tolerance = 1e-16;
     const AdjustResult result = adjust(frame_, estimate_.layout, sum, step.x, options);
-    step.gain = system.cost + prior_cost(frame_, estimate_.layout, from) - result.cost;
+    step.gain = data.cost() + prior_cost(frame_, estimate_.layout, from) - result.cost;
     return step;
   }
 

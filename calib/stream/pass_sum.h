@@ -6,7 +6,7 @@
 #include <map>
 #include <mutex>
 
-#include "calib/adjust/tile.h"
+#include "calib/chain/reduced_system.h"
 #include "calib/errors/statistics.h"
 #include "calib/problem/log_buffer.h"
 
@@ -36,22 +36,14 @@ void exchange(Buffer& buffer, BufferRecord<PassCounts> auto&& counts) {
 
 /// What one reading of a log leaves of it at an estimate.
 struct PassSum {
-  ReducedSystem system;  ///< of all arrivals in use, plain squares; its cost is theirs
+  SystemParts system;  ///< of all arrivals in use, plain squares; its cost is theirs
   PassCounts counts;
 
   void add(const PassSum& other) {
-    system.cost += other.system.cost;
-    system.H += other.system.H;
-    system.gradient += other.system.gradient;
+    system.add(other.system);
     counts.add(other.counts);
   }
 };
-/// @param sum  its system has the size that it had when it was written
-template <class Buffer>
-void exchange(Buffer& buffer, BufferRecord<PassSum> auto&& sum) {
-  buffer.exchange(sum.system.cost, sum.system.gradient, sum.system.H);
-  exchange(buffer, sum.counts);
-}
 
 /// Which arrivals a pass rejects anew.
 enum class RejectionPolicy {

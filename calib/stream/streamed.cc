@@ -89,7 +89,7 @@ class StreamedLog : public CalibrationLog {
   void scale_noise(Estimate& estimate, const NoiseFactors& factors) override {
     estimate.noise_factor *= factors.arrivals;
     estimate.pose_factor *= factors.poses;
-    if (estimate.last.data_information) *estimate.last.data_information /= std::pow(factors.arrivals, 2);
+    if (estimate.last.data) estimate.last.data->scale(1.0 / std::pow(factors.arrivals, 2));
   }
 
   Result<Findings> findings(const Estimate& estimate) override {
@@ -180,16 +180,6 @@ std::size_t least_memory_streamed(std::size_t arrivals, std::size_t odometry_row
   constexpr std::size_t kOfDrives = 90 * kMega, kBytesOfStep = 115;  // rows, states, stretches looked at
   if (odometry_rows > 0) return kOfDrives + odometry_rows * kBytesOfStep;
   return kProgram + std::min(arrivals, kSampledStates) * kBytesOfSampledState + 7 * arrivals / 2;
-}
-
-std::optional<std::string> why_not_streamed(const Site& site, const std::vector<const MeasurementLog*>& runs,
-                                            int dense_limit) {
-  Problem frame;
-  frame.site = site;
-  for (const MeasurementLog* run : runs) frame.runs.push_back(without_lists(*run));
-  if (const int size = make_layout(frame, prior_state(site)).size(); size > dense_limit)
-    return fmt::format("there are {} parameters, more than {}", size, dense_limit);
-  return {};
 }
 
 Result<StreamedCalibration> solve_streamed(const Site& site, ArrivalSource& source,

@@ -3,9 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "calib/calibrate.h"
 #include "models/arrival_source.h"
@@ -18,14 +15,6 @@ namespace octant::calib {
 /// The least that solve_streamed() needs: what is known of each arrival and each state between two readings,
 /// and the states that are looked at one by one in the end.
 [[nodiscard]] std::size_t least_memory_streamed(std::size_t arrivals, std::size_t odometry_rows = 0);
-
-/// Why a log cannot be streamed, in words: the site has so many parameters that its matrices have to be
-/// sparse, of which no sum is kept between the readings. What hangs together within a run is at hand as a
-/// whole while it is worked on, drives with odometry aside.
-/// @param runs  without their arrivals
-[[nodiscard]] std::optional<std::string> why_not_streamed(const Site& site,
-                                                          const std::vector<const MeasurementLog*>& runs,
-                                                          int dense_limit = kDenseLimit);
 
 struct StreamedCalibration {
   /// Its runs hold every so many-th epoch (Solution::whole), its trajectories are the solution's.

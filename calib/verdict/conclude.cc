@@ -167,7 +167,7 @@ void judge_anew(const Problem& problem, const SolveOptions& options, Estimate es
   solution.beacon_status.clear();
   solution.weak.clear();
   solution.undetermined.clear();
-  estimate.last.data_information.reset();  // which is of the subsampled log
+  estimate.last.data.reset();  // which is of the subsampled log
   static_cast<void>(judge(problem, options, estimate, trajectories, solution));
 }
 

@@ -321,7 +321,10 @@ Covariance covariance_at(const Problem& problem, const SolveOptions& options, co
   const ParameterLayout& layout = estimate.layout;
   if (!is_dense(layout)) {
     Covariance C = covariance_of(
-        problem, layout, sparse_information_at(problem, layout, trajectories, estimate.x, options.workers()),
+        problem, layout,
+        estimate.last.data
+            ? sparse_information(problem, layout, estimate.x, estimate.last.data->list())
+            : sparse_information_at(problem, layout, trajectories, estimate.x, options.workers()),
         solution);
     solution.marginals = marginals_of(layout, C);
     solution.warnings.push_back(
@@ -332,9 +335,8 @@ Covariance covariance_at(const Problem& problem, const SolveOptions& options, co
     return C;
   }
   const Eigen::MatrixXd data =
-      estimate.last.data_information
-          ? *estimate.last.data_information
-          : information_at(problem, layout, trajectories, estimate.x, options.workers()).data;
+      estimate.last.data ? estimate.last.data->dense(layout.size())
+                         : information_at(problem, layout, trajectories, estimate.x, options.workers()).data;
   Covariance C = covariance_of(
       problem, layout, Eigen::MatrixXd(data + prior_information(problem, layout, estimate.x)), solution);
   const Eigen::VectorXd si = layout.si_per_unit();

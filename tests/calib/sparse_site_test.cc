@@ -14,9 +14,12 @@
 #include "calib/adjust/sparse_factor.h"
 #include "calib/errors/statistics.h"
 #include "calib/errors/variances.h"
+#include "calib/stream/streamed.h"
 #include "calib/verdict/datum.h"
 #include "calib/verdict/observability.h"
 #include "tests/calib/calib_support.h"
+#include "tests/calib/memory_source.h"
+#include "tests/calib/thread_team.h"
 
 namespace octant::test {
 namespace {
@@ -72,13 +75,13 @@ calib::Solution sparsely(const World& world) {
 
 /// All that both ways tell of the parameters; they differ by rounding alone, of which the covariance sees the
 /// square root.
-void expect_same(const calib::Solution& dense, const calib::Solution& sparse) {
+void expect_same(const calib::Solution& dense, const calib::Solution& sparse, double place_share = 1e-9) {
   ASSERT_EQ(dense.status, sparse.status);
   ASSERT_TRUE(sparse.covariance.parameters.empty());
   EXPECT_EQ(sparse.marginals.parameters, dense.covariance.parameters);
   for (std::size_t b = 0; b < dense.state.beacon_p_map_m.size(); ++b) {
     EXPECT_LT((dense.state.beacon_p_map_m[b] - sparse.state.beacon_p_map_m[b]).norm(),
-              1e-9 * dense.state.beacon_p_map_m[b].norm())
+              place_share * dense.state.beacon_p_map_m[b].norm())
         << b;
     EXPECT_EQ(dense.beacon_status[b], sparse.beacon_status[b]) << b;
   }
@@ -139,6 +142,40 @@ TEST(SparseSite, IsSolvedAsADenseOne) {
     EXPECT_LE(*b.beacons[i].influence_worst_m, *a.beacons[i].influence_worst_m * (1 + 1e-6));
     EXPECT_GE(*b.beacons[i].influence_worst_m, 0.9 * *a.beacons[i].influence_worst_m);
   }
+}
+
+/// Read some hundred stops or states at a time.
+calib::Solution streamed(const World& world, int dense_limit, const calib::Ranks* ranks = nullptr) {
+  calib::SolveOptions options;
+  options.dense_limit = dense_limit;
+  options.ranks = ranks;
+  MemorySource source({world.run}, 300);
+  return must(calib::solve_streamed(world.site, source, options, std::size_t{8} << 20U)).solution;
+}
+
+void expect_same_streamed(const World& world) {
+  const calib::Solution dense = streamed(world, calib::kDenseLimit), sparse = streamed(world, 0);
+  ASSERT_EQ(dense.status, calib::SolveStatus::kConverged) << dense.message;
+  expect_same(dense, sparse, 1e-8);
+  EXPECT_EQ(sparse.statistics.rejected, dense.statistics.rejected);
+  EXPECT_EQ(sparse.statistics.redundancy, dense.statistics.redundancy);
+  EXPECT_NEAR(sparse.reliability.redundancy_sum, dense.reliability.redundancy_sum,
+              1e-5 * dense.reliability.redundancy_sum);
+  std::vector<calib::Solution> answers(2);
+  for_each_rank(2, [&](const calib::Ranks& rank) {
+    answers[static_cast<std::size_t>(rank.index())] = streamed(world, 0, &rank);
+  });
+  for (const calib::Solution& answer : answers) expect_same(dense, answer, 1e-8);
+}
+
+TEST(SparseSite, IsReadInChunksAsADenseOne) {
+  expect_same_streamed(must(simulate(wide_hall(9, 8, 3000), 15)));
+}
+
+TEST(SparseSite, IsDrivenThroughInPieces) {
+  Scenario s = drive_scenario(500.0);
+  s.echo_fraction = 0.01;
+  expect_same_streamed(must(simulate(s, 16)));
 }
 
 TEST(SparseSite, FreeNetworkHasTheSameCovarianceInBothWays) {

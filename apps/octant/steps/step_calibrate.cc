@@ -86,10 +86,6 @@ std::unique_ptr<StreamSource> too_long(const Site& site, const std::vector<std::
   if (needed_mb <= memory_mb) return nullptr;
   const std::string much = fmt::format(
       "these recordings would take about {} MB of memory, more than --memory-mb {}", needed_mb, memory_mb);
-  if (const auto why = calib::why_not_streamed(site, source->logs())) {
-    session.warn(fmt::format("{}, and cannot be streamed: {}", much, *why));
-    return nullptr;
-  }
   const std::size_t least_mb = calib::least_memory_streamed(rows, steps) / kMega;
   warn_of_repeated_runs(runs, session);
   session.note(fmt::format(

@@ -42,33 +42,31 @@ void for_each_arrival(const ChunkWork& w, Visit&& visit) {
 class PassSummer {
  public:
   /// @param first  first chunk of this rank
-  PassSummer(std::size_t first, int parameters) : in_order_(first) {
-    sum_.system.H.setZero(parameters, parameters);
-    sum_.system.gradient.setZero(parameters);
+  PassSummer(std::size_t first, const ParameterLayout& layout) : in_order_(first), layout_(layout) {
+    if (is_dense(layout_)) sum_.system.add(empty_part(all_columns(layout_.size())));
   }
 
   /// Solves for the trajectories of a chunk with plain squares, marks them as asked, and reduces them.
   /// @param limit  sigmas beyond which an arrival is rejected
-  void add(std::size_t chunk, ChunkWork& w, const ParameterLayout& layout, const SharedState& state,
-           double limit, RejectionPolicy policy) {
-    ReducedSystem& system = w.sum.system;
+  void add(std::size_t chunk, ChunkWork& w, const SharedState& state, double limit, RejectionPolicy policy) {
     PassCounts& counts = w.sum.counts = {};
     if (policy == RejectionPolicy::kFirst) counts.changed = reject_outliers(w.trajectories, state, limit);
-    auto tiles = std::make_unique<TileSum>(w.trajectories, layout, Workers{});
+    auto tiles = std::make_unique<TileSum>(w.trajectories, layout_, Workers{});
     counts.cost_before = tiles->solve_states(state, {});
     if (policy == RejectionPolicy::kConverged) {
       tiles->commit();
       tiles->share_states();
       counts.changed = reject_outliers(w.trajectories, state, limit);
       if (counts.changed > 0) {
-        tiles = std::make_unique<TileSum>(w.trajectories, layout, Workers{});
+        tiles = std::make_unique<TileSum>(w.trajectories, layout_, Workers{});
         static_cast<void>(tiles->solve_states(state, {}));
       }
     }
-    tiles->reduce(state, {}, system);
+    reduce(*tiles, state, w.sum.system);
     tiles->share_states();
     // The costs of chains are known better now (Tile::reduce).
-    if (policy != RejectionPolicy::kConverged || counts.changed == 0) counts.cost_before = system.cost;
+    if (policy != RejectionPolicy::kConverged || counts.changed == 0)
+      counts.cost_before = w.sum.system.cost();
     for (const Trajectory& t : w.trajectories) {
       counts.of_log.add(count_observations(t, state, 1, false));
       counts.poses.add(squares_of_poses(t, state));
@@ -77,12 +75,29 @@ class PassSummer {
   }
   /// The sum over the chunks of all ranks.
   [[nodiscard]] PassSum sum(const Ranks* ranks) && {
-    sum_over(ranks, sum_);
+    sum_over(ranks, sum_.counts);
+    if (is_dense(layout_)) {
+      sum_over(ranks, sum_.system.list().front().system);
+    } else {
+      sum_over(ranks, sum_.system);
+    }
     return std::move(sum_);
   }
 
  private:
+  void reduce(TileSum& tiles, const SharedState& state, SystemParts& sum) const {
+    if (is_dense(layout_)) {
+      // To the worker's own system, whose memory stays.
+      if (sum.list().empty()) sum.add({all_columns(layout_.size()), {}});
+      tiles.reduce(state, {}, sum.list().front().system);
+      return;
+    }
+    sum = {};
+    for (SystemPart& part : tiles.reduce_each(state, {})) sum.add(std::move(part));
+  }
+
   OrderedParts<PassSum> in_order_;
+  const ParameterLayout& layout_;
   PassSum sum_;
 };
 
@@ -168,7 +183,7 @@ void ChunkPasses::keep(const ChunkWork& w, KeptChunk& kept) {
 Result<LogReadings::Placed> ChunkPasses::place(const Estimate& estimate, double suspect_sigmas, bool reject) {
   const SharedState state = estimate.state();
   SpreadArrivals spread(task_, state, kept_.size());
-  PassSummer summer(first_, estimate.layout.size());
+  PassSummer summer(first_, estimate.layout);
   auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
     for_each_arrival(w, [&](std::size_t number, const Trajectory& t, const ArrivalObservation& a) {
       spread.add_range(k, number, t, a);
@@ -185,8 +200,7 @@ Result<LogReadings::Placed> ChunkPasses::place(const Estimate& estimate, double 
     for_each_arrival(w, [&](std::size_t number, const Trajectory& t, const ArrivalObservation& a) {
       spread.add_residual(k, number, t, a);
     });
-    if (reject)
-      summer.add(k, w, estimate.layout, state, task_.options.rejection_sigmas, RejectionPolicy::kFirst);
+    if (reject) summer.add(k, w, state, task_.options.rejection_sigmas, RejectionPolicy::kFirst);
     keep(w, kept_[k]);
   });
   if (!done) return fail(done.error());
@@ -202,10 +216,10 @@ Result<LogReadings::Placed> ChunkPasses::place(const Estimate& estimate, double 
 
 Result<PassSum> ChunkPasses::pass(const Estimate& estimate, RejectionPolicy policy) {
   const SharedState state = estimate.state();
-  PassSummer summer(first_, estimate.layout.size());
+  PassSummer summer(first_, estimate.layout);
   auto done = for_each_chunk_of_mine([&](std::size_t k, ChunkWork& w) {
     restore(kept_[k], estimate, w);
-    summer.add(k, w, estimate.layout, state, task_.options.rejection_sigmas, policy);
+    summer.add(k, w, state, task_.options.rejection_sigmas, policy);
     keep(w, kept_[k]);
   });
   if (!done) return fail(done.error());

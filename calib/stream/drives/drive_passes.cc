@@ -3,7 +3,6 @@
 #include "calib/stream/drives/drive_passes.h"
 
 #include <algorithm>
-#include <numeric>
 #include <tuple>
 
 #include "calib/adjust/node_buffer.h"
@@ -259,8 +258,7 @@ void DrivePasses::solve_states(const DrivePiece& piece, const ParameterLayout& l
     counts.changed = mark();
     if (counts.changed > 0) static_cast<void>(octant::solve_states(t, segment, state, {}, held));
   }
-  std::vector<int> columns(static_cast<std::size_t>(layout.size()));
-  std::iota(columns.begin(), columns.end(), 0);
+  const std::vector<int> columns = all_columns(layout.size());
   out.has_left = piece.open_left;
   out.has_right = piece.open_right;
   ChainReduction(t, layout, {0}).reduce_open(segment, state, {}, columns, columns.size(), out);
@@ -288,9 +286,9 @@ Result<PassSum> DrivePasses::pass(const Estimate& estimate, RejectionPolicy poli
   tried_.x = estimate.x;
   tried_.chains = std::move(joined).chains();
   PassSum sum;
-  sum.system.H.setZero(estimate.layout.size(), estimate.layout.size());
-  sum.system.gradient.setZero(estimate.layout.size());
-  for (const EndChain& chain : tried_.chains) chain.add_to(sum.system);
+  SystemPart all = empty_part(all_columns(estimate.layout.size()));
+  for (const EndChain& chain : tried_.chains) chain.add_to(all.system);
+  sum.system.add(std::move(all));
   for (const PassCounts& c : counts) sum.counts.add(c);
   sum_over(task_.options.ranks, sum.counts);
   for (const DriveChain& chain : index_.chains()) sum.counts.of_log.rejected += chain.stateless_count;

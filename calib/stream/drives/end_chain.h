@@ -6,8 +6,8 @@
 
 #include <Eigen/Core>
 
-#include "calib/adjust/tile.h"
 #include "calib/chain/chain_reduction.h"
+#include "calib/chain/reduced_system.h"
 #include "calib/problem/log_buffer.h"
 #include "models/trajectory/linearise.h"
 

@@ -74,12 +74,13 @@ TEST(Adjust, StopsWhereTheLastStepIsForetoldAndNotBefore) {
                 .norm(),
             2e-6)
             << k;
-      if (!result.data_information) continue;
+      if (!result.data) continue;
       ++with_matrix;
       const Eigen::VectorXd scale = H.diagonal().cwiseSqrt().cwiseInverse();
-      EXPECT_LT(
-          (scale.asDiagonal() * (*result.data_information - H) * scale.asDiagonal()).cwiseAbs().maxCoeff(),
-          1e-3);
+      EXPECT_LT((scale.asDiagonal() * (result.data->dense(off.layout.size()) - H) * scale.asDiagonal())
+                    .cwiseAbs()
+                    .maxCoeff(),
+                1e-3);
     }
   }
   EXPECT_GE(with_matrix, 2);
@@ -97,7 +98,7 @@ TEST(Adjust, OfADriveEndsWhereItsStatesRest) {
       const calib::AdjustResult result = adjusted(off, tolerance, x, there);
       EXPECT_TRUE(result.converged);
       EXPECT_LE(std::abs(result.cost - best), tolerance * best);
-      without_matrix += !result.data_information;  // where rays turned in the last step
+      without_matrix += !result.data;  // where rays turned in the last step
       const SharedState state = off.layout.state_of(x);
       std::vector<Trajectory> solved = there;
       double left = 0.0;  // that the states could still gain

@@ -60,16 +60,15 @@ TEST(TileSum, OfEachTileAddUpToTheWhole) {
   sum.cost = tiles.solve_states(near.here, {});
   sum.H = Eigen::MatrixXd::Zero(near.layout.size(), near.layout.size());
   sum.gradient = Eigen::VectorXd::Zero(near.layout.size());
-  std::vector<calib::ReducedSystem> systems;
-  tiles.reduce_each(near.here, {}, systems);
-  ASSERT_EQ(systems.size(), tiles.tiles().size());
+  const std::vector<calib::SystemPart> parts = tiles.reduce_each(near.here, {});
+  ASSERT_EQ(parts.size(), tiles.tiles().size());
   double costs = 0.0;
-  for (std::size_t i = 0; i < systems.size(); ++i) {
-    const std::vector<int>& columns = tiles.tiles()[i].columns();
-    const Eigen::MatrixXd H = systems[i].H.selfadjointView<Eigen::Lower>();
-    sum.H(columns, columns) += H;
-    sum.gradient(columns) += systems[i].gradient;
-    costs += tiles.costs()[i];
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    EXPECT_EQ(parts[i].columns, tiles.columns_of(i));
+    EXPECT_EQ(parts[i].system.cost, tiles.costs()[i]);
+    sum.H(parts[i].columns, parts[i].columns) += parts[i].system.H;
+    sum.gradient(parts[i].columns) += parts[i].system.gradient;
+    costs += parts[i].system.cost;
   }
   EXPECT_NEAR(costs, sum.cost, 1e-9 * sum.cost);
   expect_same_system(sum, reduced(near, {}), 1e-10);

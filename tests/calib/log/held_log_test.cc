@@ -57,7 +57,7 @@ TEST(HeldLog, AdjustsTheArrivalsThatAgree) {
   EXPECT_NEAR(2 * first.cost / first.redundancy, 1.0, 0.3);
   log.scale_noise(estimate, {.arrivals = 2.0});
   EXPECT_EQ(estimate.noise_factor, 2.0);
-  EXPECT_FALSE(estimate.last.data_information);
+  EXPECT_FALSE(estimate.last.data);
   const calib::DataSquares second = must(log.adjust_inliers(estimate));
   EXPECT_LT(second.cost / second.redundancy, 0.4 * first.cost / first.redundancy);
   const calib::Findings found = must(log.findings(estimate));

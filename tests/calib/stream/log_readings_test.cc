@@ -17,10 +17,10 @@ TEST(JoinedReadings, AddUp) {
   both.add(std::make_unique<OneResidual>([](double x, double& r, double& J) { r = 2 * x - 6, J = 2; }));
   both.add(std::make_unique<OneResidual>([](double x, double& r, double& J) { r = x, J = 1; }));
   const calib::PassSum sum = must(both.pass(at(1.0), calib::RejectionPolicy::kKept));
-  EXPECT_EQ(sum.system.cost, 0.5 * 16 + 0.5);
-  EXPECT_EQ(sum.counts.cost_before, sum.system.cost);
-  EXPECT_EQ(sum.system.gradient[0], -8.0 + 1.0);
-  EXPECT_EQ(sum.system.H(0, 0), 5.0);
+  EXPECT_EQ(sum.system.cost(), 0.5 * 16 + 0.5);
+  EXPECT_EQ(sum.counts.cost_before, sum.system.cost());
+  EXPECT_EQ(sum.system.list().front().system.gradient[0], -8.0 + 1.0);
+  EXPECT_EQ(sum.system.dense(1)(0, 0), 5.0);
 }
 
 TEST(JoinedReadings, AcceptTogether) {

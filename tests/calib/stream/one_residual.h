@@ -22,11 +22,13 @@ class OneResidual : public calib::LogReadings {
     double r = 0.0, J = 0.0;
     residual_(estimate.x[0], r, J);
     calib::PassSum sum;
-    sum.system.cost = sum.counts.cost_before = 0.5 * r * r;
-    sum.system.gradient.setConstant(1, J * r);
-    sum.system.H.setConstant(1, 1, J * J);
+    calib::SystemPart part = calib::empty_part({0});
+    part.system.cost = sum.counts.cost_before = 0.5 * r * r;
+    part.system.gradient[0] = J * r;
+    part.system.H(0, 0) = J * J;
+    sum.system.add(part);
     if (policy != calib::RejectionPolicy::kKept && changes_left > 0) sum.counts.changed = 1, --changes_left;
-    latest_cost_ = sum.system.cost;
+    latest_cost_ = part.system.cost;
     ++passes;
     return sum;
   }

@@ -275,11 +275,5 @@ TEST(Streamed, RefusesWhatIsRefused) {
   EXPECT_NE(s.message.find("speed of sound"), std::string::npos) << s.message;
 }
 
-TEST(Streamed, SaysWhatCannotBe) {
-  const World world = must(simulate(long_hall(50), 13));
-  EXPECT_FALSE(calib::why_not_streamed(world.site, {&world.run}));
-  EXPECT_TRUE(calib::why_not_streamed(world.site, {&world.run}, 10)) << "more parameters than are dense";
-}
-
 }  // namespace
 }  // namespace octant::test
