@@ -11,8 +11,6 @@
 
 #include <fmt/format.h>
 
-#include "calib/statements/score_test.h"
-
 namespace octant::calib {
 namespace {
 
@@ -111,7 +109,8 @@ std::map<std::size_t, std::vector<Trajectory>> some_of_each(const std::vector<Tr
 
 /// Each error of each run beyond chance, and odometry's, of which all runs have one.
 std::vector<CommonError> all_beyond_chance(const std::vector<Trajectory>& trajectories,
-                                           const SharedState& state, double growth, int threads) {
+                                           const SharedState& state, const AdjustedParameters& parameters,
+                                           double growth, int threads) {
   std::vector<CommonError> all;
   const auto add = [&](CommonError error, const ScoreTest& test, Eigen::Index column) {
     error.size = test.size(column);
@@ -124,7 +123,8 @@ std::vector<CommonError> all_beyond_chance(const std::vector<Trajectory>& trajec
   for (const auto& [run, of_run] : some_of_each(trajectories)) {
     const Times times = times_of(of_run);
     Patterns patterns(times);
-    const ScoreTest test = score_test(of_run, state, Patterns::kCount, std::ref(patterns), threads);
+    const ScoreTest test =
+        score_test(of_run, state, parameters, Patterns::kCount, std::ref(patterns), threads);
     of_odometry.gradient += test.gradient.head(Patterns::kOfOdometry);
     of_odometry.information += test.information.head(Patterns::kOfOdometry);
     if (test.information.head(Patterns::kOfOdometry).sum() > 0) driven_run = run;
@@ -182,8 +182,8 @@ Contradiction of_speed(const CommonError& e, const Site& site, const std::string
 }  // namespace
 
 std::vector<CommonError> common_errors(const std::vector<Trajectory>& trajectories, const SharedState& state,
-                                       double growth, int threads) {
-  std::vector<CommonError> all = all_beyond_chance(trajectories, state, growth, threads);
+                                       const AdjustedParameters& parameters, double growth, int threads) {
+  std::vector<CommonError> all = all_beyond_chance(trajectories, state, parameters, growth, threads);
   std::ranges::stable_sort(all, std::ranges::greater{}, [](const auto& e) { return std::abs(e.sigmas); });
   std::vector<CommonError> errors;
   for (CommonError& e : all) {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "calib/statements/score_test.h"
 #include "models/contradiction.h"
 #include "models/run.h"
 #include "models/site.h"
@@ -26,7 +27,7 @@ struct CommonError {
   Kind kind = Kind::kWay;
   std::size_t run = 0;  ///< index into Problem::runs; all odometry has one error
   double time_s = 0.0;  ///< of a jump
-  double size = 0.0;    ///< about, and rather too small
+  double size = 0.0;    ///< about
   double sigmas = 0.0;  ///< size over its standard deviation
   /// Of the errors that explain the same residuals (those of one recording's arrivals, or of odometry).
   enum class Rank { kAlone, kAmongEquals, kLess } rank = Rank::kAlone;
@@ -41,7 +42,8 @@ struct CommonError {
 /// @param trajectories  adjusted
 /// @param growth        of sigmas by errors that are correlated
 [[nodiscard]] std::vector<CommonError> common_errors(const std::vector<Trajectory>& trajectories,
-                                                     const SharedState& state, double growth,
+                                                     const SharedState& state,
+                                                     const AdjustedParameters& parameters, double growth,
                                                      int threads = 1);
 
 /// What it says against what is taken for granted, and what to do about it.

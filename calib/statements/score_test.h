@@ -7,6 +7,8 @@
 
 #include <Eigen/Core>
 
+#include "calib/adjust/covariance.h"
+#include "calib/problem/parameters.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {
@@ -23,13 +25,22 @@ struct ScoreTest {
   [[nodiscard]] double sigmas(Eigen::Index error) const;  ///< of it, in its own standard deviations
 };
 
-/// Score test (Rao 1948; for errors of known pattern the w-test of Baarda 1968) of each error by itself, all
-/// states adjusted along with it, the shared parameters held: these are at their optimum without it, so that
-/// its significance comes out at most too small, and so may its size. Takes one sweep over the states and
-/// adjusts nothing.
-/// @param trajectories  adjusted
+/// Shared parameters as an adjustment left them.
+struct AdjustedParameters {
+  const ParameterLayout& layout;
+  const Covariance& covariance;  ///< by the noise that the rows have
+};
+
+/// Score test (Rao 1948; for errors of known pattern the w-test of Baarda 1968) of each error c by itself,
+/// states and shared parameters adjusted along with it. With J of the states' and the parameters' own rows,
+/// each less what the states take up,
+///   gradient = c'r,   information = c'c - (J'c)' C (J'c)
+/// takes one sweep over the states and adjusts nothing. What parameters take up but for a fiftieth has no
+/// information: they may be bent by what is no error at all.
+/// @param trajectories  adjusted, or a part of those from which the parameters are
 /// @param errors        how many; columns of what `patterns` fills
 [[nodiscard]] ScoreTest score_test(const std::vector<Trajectory>& trajectories, const SharedState& state,
-                                   Eigen::Index errors, const ErrorPatterns& patterns, int threads = 1);
+                                   const AdjustedParameters& parameters, Eigen::Index errors,
+                                   const ErrorPatterns& patterns, int threads = 1);
 
 }  // namespace octant::calib

@@ -209,8 +209,8 @@ void conclude_as_is(const Problem& problem, const SolveOptions& options, const E
   if (solution.status == SolveStatus::kConverged && !is_bent_by_a_clock(problem, solution))
     contradict(problem, options, estimate, trajectories, solution);
   if (solution.status == SolveStatus::kConverged)
-    solution.common_errors =
-        common_errors(trajectories, solution.state, growth_of_sigmas(solution), options.threads);
+    solution.common_errors = common_errors(trajectories, solution.state, {estimate.layout, C},
+                                           growth_of_sigmas(solution), options.threads);
   if (solution.contradictions.empty()) tell_common_errors(problem, solution);
   if (!solution.contradictions.empty())
     return;  // which tell the culprit; what follows would name the innocent
