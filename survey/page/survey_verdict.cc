@@ -35,13 +35,21 @@ std::string parts_of(const Survey& s) {
   return text + ".";
 }
 
+/// Whether fewer beacons are heard than the scene asks for.
+bool lacks_beacons(const Survey& s) { return s.scene.coverage > 0 && s.k_covered_fraction < kNearlyAll; }
+
 bool reach_is_known(const Survey& s) { return std::isfinite(reach_m(s.model.hearing)); }
 
 std::vector<std::string> steps_of(const Survey& s, Grade grade) {
   std::vector<std::string> steps;
   if (!s.model.tolerance.fix_m)
     steps.emplace_back("State tolerance.fix_m in the site file: what a fix must reach.");
-  if (grade == Grade::kPoor)
+  if (lacks_beacons(s))
+    steps.push_back(
+        fmt::format("Hang more beacons, or ask for fewer (coverage in the scene): octant plan SITE.yaml "
+                    "--coverage {} says where.",
+                    s.scene.coverage));
+  else if (grade == Grade::kPoor)
     steps.push_back(
         fmt::format("Look at the map for where; octant plan SITE.yaml --tolerance {:g} says which "
                     "beacons would do.",
@@ -81,6 +89,11 @@ SurveyVerdict survey_verdict(const Survey& s) {
     v.sentence = fmt::format(
         "{} of the floor has a fix{}. The site states no tolerance (tolerance.fix_m) to hold that against.",
         percent_text(s.fix_fraction), mirrored_part_of(s));
+  }
+  if (lacks_beacons(s)) {
+    v.grade = Grade::kPoor;
+    v.sentence += fmt::format(" {} of the floor hears the {} beacons that the scene asks for.",
+                              percent_text(s.k_covered_fraction), s.scene.coverage);
   }
   v.next = steps_of(s, v.grade);
   return v;

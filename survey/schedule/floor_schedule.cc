@@ -39,17 +39,23 @@ Reverberance reverberance_of(const SurveyModel& model, const FloorScheduleOption
   return r;
 }
 
-/// From the floor, which is at zero, or as low as what stands above it where all of that is below, to
-/// somewhat above the highest beacon.
+/// From the floor to somewhat above the highest beacon. The floor is at zero, or as low as what stands above
+/// it where all of that is below zero, or so far above it that heights are counted from elsewhere (the sea).
 double hall_height_m(const SurveyModel& model) {
-  double highest_m = -INFINITY, lowest_m = model.vehicle_z_m;
+  constexpr double kAboveAnyFloorM = 10.0;
+  double highest_m = -INFINITY, lowest_m = INFINITY;
   for (const SurveyBeacon& b : model.beacons) {
     highest_m = std::max(highest_m, b.p_map_m.z());
     lowest_m = std::min(lowest_m, b.p_map_m.z());
   }
   for (const SurveyReceiver& r : model.receivers)
     lowest_m = std::min(lowest_m, model.vehicle_z_m + r.p_vehicle_m.z());
-  const double floor_m = highest_m < 0.0 ? lowest_m : 0.0;
+  double floor_m = 0.0;
+  if (highest_m < 0.0 || lowest_m > kAboveAnyFloorM) {
+    // A vehicle in the plane may have its origin at zero whatever its receivers' heights are counted from.
+    const bool vehicle_stands_there = model.vehicle_z_m > lowest_m - kAboveAnyFloorM;
+    floor_m = vehicle_stands_there ? std::min(lowest_m, model.vehicle_z_m) : lowest_m;
+  }
   return std::max(highest_m, floor_m) - floor_m + kAboveBeaconsM;
 }
 

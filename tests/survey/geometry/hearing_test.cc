@@ -121,8 +121,8 @@ TEST(StopPlaces, KeepTheirClearance) {
   EXPECT_FALSE(stop_places(model, hall.scene, 1e-3, 0.4)) << "too many";
 }
 
-/// A cellar's slots are those of the same hall at ground level.
-TEST(FloorSchedule, AHallBelowZeroIsAsHigh) {
+/// Slots of a cellar, and of heights above the sea, are those of the same hall at ground level.
+TEST(FloorSchedule, AHallBelowZeroOrFarAboveItIsAsHigh) {
   test::Hall hall = test::rectangle_hall();
   hall.site.motion = Motion::kSpatial;
   hall.site.beacons.clear();
@@ -138,6 +138,19 @@ TEST(FloorSchedule, AHallBelowZeroIsAsHigh) {
   const FloorSchedule below = must(floor_schedule(cellar, hall.scene, {}));
   EXPECT_NEAR(below.height_m, above.height_m, 1e-12);
   EXPECT_NEAR(below.silent.slot_s, above.silent.slot_s, 1e-12);
+  SurveyModel on_a_hill = model;
+  on_a_hill.vehicle_z_m += 113.0;
+  for (SurveyBeacon& b : on_a_hill.beacons) b.p_map_m.z() += 113.0;
+  const FloorSchedule hill = must(floor_schedule(on_a_hill, hall.scene, {}));
+  EXPECT_NEAR(hill.height_m, above.height_m, 1e-12);
+  // The same with the vehicle's origin at zero, as in the plane.
+  double lowest_m = 2.5;
+  for (SurveyReceiver& r : on_a_hill.receivers) {
+    lowest_m = std::min(lowest_m, r.p_vehicle_m.z());
+    r.p_vehicle_m.z() += 113.0;
+  }
+  on_a_hill.vehicle_z_m = 0.0;
+  EXPECT_NEAR(must(floor_schedule(on_a_hill, hall.scene, {})).height_m, 3.0 - lowest_m, 1e-12);
 }
 
 TEST(FloorSchedule, FarBeaconsShareASlot) {

@@ -77,6 +77,25 @@ TEST(SurveyPage, TheBannersColourSaysWhatItsWordsSay) {
   EXPECT_EQ(survey_verdict(survey).grade, Grade::kUnjudged);
 }
 
+// Four beacons were Good where nine were asked for.
+TEST(SurveyPage, FewerBeaconsThanAskedForAreNotGood) {
+  Scene scene = small_scene();
+  scene.coverage = 9;
+  scene.acoustics.range_m = 20.0;
+  auto survey = must(run_survey(must(make_survey_model(small_site(), scene)), scene, nullptr));
+  survey.covered_fraction = 1.0;
+  EXPECT_EQ(survey_verdict(survey).grade, Grade::kPoor);
+  EXPECT_THAT(survey_verdict(survey).sentence,
+              testing::EndsWith("0.0 % of the floor hears the 9 beacons that the scene asks for."));
+  EXPECT_THAT(survey_verdict(survey).next,
+              testing::Contains(HasSubstr("octant plan SITE.yaml --coverage 9")));
+  survey.k_covered_fraction = 1.0;
+  EXPECT_EQ(survey_verdict(survey).grade, Grade::kGood);
+  survey.scene.coverage = 0;  // what nobody asked for is told alone
+  survey.k_covered_fraction = 0.0;
+  EXPECT_EQ(survey_verdict(survey).grade, Grade::kGood);
+}
+
 // Green inside, amber near, red beyond, at the site's tolerance; in a drawing with a script and in one
 // without.
 TEST(SurveyPage, ColoursAreAnchoredAtTheTolerance) {
