@@ -30,8 +30,9 @@ struct AdjustResult {
   int iterations = 0;
   double cost = 0.0;    ///< 1/2 sum of rho, priors and control distances included
   std::string message;  ///< why it stopped, Ceres's own words where it was Ceres that found so
-  /// All arrivals and bearings under the loss of the adjustment, where their system was formed and is still
-  /// known: at x, or before a last step that changes its matrix by less than a part in a thousand.
+  /// All arrivals and bearings under the loss of the adjustment, where their system was formed as a whole, or
+  /// is all that is known of them: at x, or before a last step that changes its matrix by less than a part in
+  /// a thousand.
   std::optional<SystemParts> data;
 };
 

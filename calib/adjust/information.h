@@ -14,7 +14,7 @@
 namespace octant::calib {
 
 /// Gauss-Newton matrix of arrivals and bearings alone (data) and of priors and control distances (prior) at
-/// x, states settled.
+/// x, states solved for.
 struct Information {
   Eigen::MatrixXd data, prior;
   double data_cost = 0.0;
@@ -30,7 +30,7 @@ struct Information {
                                                              const ParameterLayout& layout,
                                                              const Eigen::VectorXd& x,
                                                              std::vector<SystemPart> data);
-/// The same of all observations, states settled.
+/// The same of all observations, states solved for.
 [[nodiscard]] Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem,
                                                                 const ParameterLayout& layout,
                                                                 std::vector<Trajectory>& trajectories,

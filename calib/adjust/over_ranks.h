@@ -70,7 +70,7 @@ inline void sum_over(const Ranks* ranks, SystemParts& data) {
   if (ranks == nullptr) return;
   std::vector<std::vector<double>> mine(1);
   BufferWriter writer(mine.front());
-  for (const SystemPart& part : data.list()) writer.exchange(part.columns, part.system);
+  for (const SystemPart& part : data.parts()) writer.exchange(part.columns, part.system);
   const std::vector<double> all = in_order(ranks, std::move(mine));
   BufferReader reader(all);
   data = {};

@@ -96,6 +96,17 @@ std::vector<SystemPart> TileSum::reduce_each(const SharedState& state, const Rob
   return parts;
 }
 
+void TileSum::reduce_onto(const SharedState& state, SystemParts& sum) {
+  for (std::size_t i = 0; i < tiles_.size(); ++i) {
+    SystemPart part = empty_part(tiles_[i].columns());
+    costs_[i] += tiles_[i].reduce(state, {}, tiles_[i].local_of(), part.system);
+    tiles_[i].commit();
+    part.system.cost = costs_[i];
+    part.system.H = part.system.H.selfadjointView<Eigen::Lower>();
+    sum.add(part);
+  }
+}
+
 void TileSum::complete(ReducedSystem& system) const {
   if (workers_.ranks != nullptr) {
     workers_.ranks->sum({system.H.data(), static_cast<std::size_t>(system.H.size())});

@@ -58,6 +58,8 @@ class TileSum : public SystemSum {
     return tiles_[part].columns();
   }
   [[nodiscard]] const std::vector<double>& costs() const override { return costs_; }
+  /// Adds all of it by its parts, one after the other on this thread and this rank alone; commits the states.
+  void reduce_onto(const SharedState& state, SystemParts& sum);
   /// States as they were committed last, on every rank.
   void share_states();
 

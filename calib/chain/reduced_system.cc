@@ -11,7 +11,7 @@
 namespace octant::calib {
 namespace {
 
-/// More parts than these are joined even where that takes more numbers: each is a cost function to Ceres.
+/// More parts than these are joined even where that takes more numbers: a part is held against all of them.
 constexpr std::size_t kMostParts = 256;
 
 std::vector<int> joined_columns(const std::vector<int>& a, const std::vector<int>& b) {
@@ -55,7 +55,7 @@ SystemPart empty_part(std::vector<int> columns) {
   return {std::move(columns), {0.0, Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(n, n)}};
 }
 
-void SystemParts::add(SystemPart part) {
+void SystemParts::add(const SystemPart& part) {
   SystemPart* best = nullptr;
   double least_growth = std::numeric_limits<double>::infinity();
   std::vector<int> of_best;
@@ -69,7 +69,7 @@ void SystemParts::add(SystemPart part) {
     if (growth == 0) break;
   }
   if (best == nullptr || (least_growth > squared(part.columns.size()) && parts_.size() < kMostParts)) {
-    parts_.push_back(std::move(part));
+    parts_.push_back(part);
     return;
   }
   if (of_best.size() > best->columns.size()) {
@@ -98,12 +98,15 @@ double SystemParts::cost() const {
   return cost;
 }
 
-Eigen::MatrixXd SystemParts::dense(int parameters) const {
-  if (parts_.size() == 1 && parts_.front().columns.size() == static_cast<std::size_t>(parameters))
-    return parts_.front().system.H;
+ReducedSystem& SystemParts::whole_part(int parameters) {
+  if (parts_.empty()) parts_.push_back(empty_part(all_columns(parameters)));
+  return parts_.front().system;
+}
+
+ReducedSystem SystemParts::whole(int parameters) const {
   SystemPart whole = empty_part(all_columns(parameters));
   for (const SystemPart& part : parts_) add_within(part.columns, part.system, whole);
-  return std::move(whole.system.H);
+  return std::move(whole.system);
 }
 
 }  // namespace octant::calib

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -37,16 +37,17 @@ class SystemParts {
   explicit SystemParts(SystemPart first) { parts_.push_back(std::move(first)); }
 
   /// Into the part that grows least by it; a part of its own where that takes fewer numbers, up to a limit.
-  void add(SystemPart part);
+  void add(const SystemPart& part);
   void add(const SystemParts& other);
   /// Noise is another: costs, gradients and matrices are so many times what they were.
   void scale(double factor);
 
   [[nodiscard]] double cost() const;
-  [[nodiscard]] const std::vector<SystemPart>& list() const { return parts_; }
-  [[nodiscard]] std::vector<SystemPart>& list() { return parts_; }
-  /// The Gauss-Newton matrix in all of so many parameters.
-  [[nodiscard]] Eigen::MatrixXd dense(int parameters) const;
+  [[nodiscard]] const std::vector<SystemPart>& parts() const { return parts_; }
+  /// The one part of all of so many parameters, made where there is none: not to be called where others are.
+  ReducedSystem& whole_part(int parameters);
+  /// All parts in one system of so many parameters.
+  [[nodiscard]] ReducedSystem whole(int parameters) const;
 
  private:
   std::vector<SystemPart> parts_;

@@ -20,5 +20,9 @@ namespace octant::calib {
 [[nodiscard]] std::vector<ReadingFamily> with_common_errors(const std::vector<CommonError>& errors,
                                                             const Site& site,
                                                             const std::vector<MeasurementLog>& runs);
+/// Of measured poses that shift (common_errors.h); none where none do.
+[[nodiscard]] std::vector<ReadingFamily> poses_that_shift(const std::vector<CommonError>& errors,
+                                                          const Site& site,
+                                                          const std::vector<MeasurementLog>& runs);
 
 }  // namespace octant::calib

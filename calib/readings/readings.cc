@@ -60,7 +60,10 @@ class Search {
     score_as_stated();
     if (is_blamed(ContradictionKind::kControlPoint)) try_exchanged_points();
     if (is_blamed(ContradictionKind::kSpeed)) try_out(scales(), true);
-    if (found_.empty()) try_clock_and_point_of_poses();
+    if (found_.empty()) {
+      try_families(poses_that_shift(solution_.common_errors, site_, problem_.runs));
+      try_clock_and_point_of_poses();
+    }
     if (found_.empty()) {
       try_families(with_common_errors(solution_.common_errors, site_, problem_.runs));
       try_errors_of_odometry();
@@ -97,6 +100,7 @@ class Search {
       for (Reading& reading : other_site_frames(site_)) frames.push_back(std::move(reading));
       try_out(frames);
     }
+    try_families(poses_that_shift(solution_.common_errors, site_, problem_.runs));
     try_without_poses();
     return best();
   }

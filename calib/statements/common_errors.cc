@@ -11,6 +11,8 @@
 
 #include <fmt/format.h>
 
+#include "calib/problem/log_health.h"
+#include "calib/statements/score_test.h"
 namespace octant::calib {
 namespace {
 
@@ -25,6 +27,8 @@ constexpr double kAsLikely = 10.0;
 constexpr std::size_t kArrivals = 20'000;
 /// Times of a recording at which a jump is looked for.
 constexpr Eigen::Index kJumps = 32;
+/// Measured poses, as many one after the other in each, between which a shift is looked for.
+constexpr Eigen::Index kPoseGroups = 12;
 /// What is faster is no sound, whose speed hangs on the temperature.
 constexpr double kFasterThanSound_mps = 1e5;
 
@@ -33,36 +37,61 @@ double share_of(const Span& span_s, double time_s) {
   return (time_s - span_s.first) / (span_s.second - span_s.first) - 0.5;
 }
 
-/// When the arrivals of a run came.
+double time_of(const Trajectory& t, const PoseObservation& pose) {
+  const double before_s = t.nodes[pose.node].time_s;
+  return pose.alpha > 0.0 ? before_s + pose.alpha * (t.nodes[pose.node + 1].time_s - before_s) : before_s;
+}
+
+/// When the arrivals and the measured poses of a run came.
 struct Times {
   Span span_s{INFINITY, -INFINITY};
-  std::vector<double> jump_s;  ///< as many arrivals between one and the next
+  std::vector<double> jump_s;   ///< as many arrivals between one and the next
+  std::vector<double> group_s;  ///< begins of groups of poses but the first's; empty: there are too few
 };
 
+/// Times at which a sorted list is cut into so many pieces of as many each, midway between two of them.
+std::vector<double> cuts(const std::vector<double>& sorted, Eigen::Index pieces) {
+  std::vector<double> at;
+  for (std::size_t j = 1; j < static_cast<std::size_t>(pieces); ++j) {
+    const std::size_t k = std::max<std::size_t>(j * sorted.size() / static_cast<std::size_t>(pieces), 1);
+    at.push_back(0.5 * (sorted[k - 1] + sorted[std::min(k, sorted.size() - 1)]));
+  }
+  return at;
+}
+
 Times times_of(const std::vector<Trajectory>& trajectories) {
-  std::vector<double> all;
-  for (const Trajectory& t : trajectories)
-    for (const ArrivalObservation& a : t.arrivals) all.push_back(a.time_s);
+  std::vector<double> arrivals, poses;
+  for (const Trajectory& t : trajectories) {
+    for (const ArrivalObservation& a : t.arrivals) arrivals.push_back(a.time_s);
+    for (const PoseObservation& p : t.poses) poses.push_back(time_of(t, p));
+  }
   Times times;
-  if (all.empty()) return times;
-  std::ranges::sort(all);
-  times.span_s = {all.front(), all.back()};
-  for (std::size_t j = 1; j <= kJumps; ++j) times.jump_s.push_back(all[j * all.size() / (kJumps + 1)]);
+  if (arrivals.empty()) return times;
+  std::ranges::sort(arrivals);
+  times.span_s = {arrivals.front(), arrivals.back()};
+  times.jump_s = cuts(arrivals, kJumps + 1);
+  std::ranges::sort(poses);
+  if (poses.size() >= 2 * static_cast<std::size_t>(kPoseGroups)) times.group_s = cuts(poses, kPoseGroups);
   return times;
 }
 
+/// Beside measured poses little hangs on odometry, and exact ones tell how the way between rows was bent.
+bool is_led_by_odometry(const Trajectory& t) {
+  return t.motion == Motion::kPlanar && t.poses.empty() && !t.odometry.empty();
+}
+
 /// The errors that are tested in a run, in order: odometry's way and turns, the medium's change, the clock's
-/// drift and its jumps.
+/// drift and its jumps; shifts of each group of measured poses by x, y, z.
 class Patterns {
  public:
-  static constexpr Eigen::Index kOfOdometry = 2, kCount = kOfOdometry + 2 + kJumps;
+  static constexpr Eigen::Index kOfOdometry = 2, kBesidePoses = kOfOdometry + 2 + kJumps,
+                                kOfPoses = 3 * kPoseGroups;
 
   explicit Patterns(Times times) : times_(std::move(times)) {}
 
   bool operator()(const Trajectory& t, const ObservationRow& row, Eigen::RowVectorXd& by) {
-    by.setZero(kCount);
-    // Beside measured poses little hangs on odometry, and exact ones tell how the way between rows was bent.
-    if (row.kind == RowKind::kOdometry && t.motion == Motion::kPlanar && t.poses.empty()) {
+    if (row.kind == RowKind::kPose) return of_pose(t, row, by);
+    if (row.kind == RowKind::kOdometry && is_led_by_odometry(t)) {
       of_step(t.odometry[row.index], by);
       return true;
     }
@@ -84,6 +113,23 @@ class Patterns {
   }
 
  private:
+  /// Rows of a pose come one after the other, those of its place first.
+  bool of_pose(const Trajectory& t, const ObservationRow& row, Eigen::RowVectorXd& by) {
+    const PoseObservation& p = t.poses[row.index];
+    if (times_.group_s.empty() || !std::isfinite(p.position_sigma_m)) return false;
+    const bool is_planar = t.motion == Motion::kPlanar;
+    const int turns = static_cast<int>(std::isfinite(p.heading_sigma_rad)) +
+                      (is_planar ? 0 : 2 * static_cast<int>(std::isfinite(p.attitude_sigma_rad))),
+              axes = is_planar ? 2 : 3;
+    if (pose_ != &p) pose_rows_ = 0;
+    pose_ = &p;
+    const int axis = pose_rows_++ % (axes + turns);
+    if (axis >= axes) return false;
+    const auto group = std::ranges::upper_bound(times_.group_s, time_of(t, p)) - times_.group_s.begin();
+    by[kBesidePoses + 3 * group + axis] = 1.0 / p.position_sigma_m;
+    return true;
+  }
+
   /// Rows of a step come one after the other: x, y, heading.
   void of_step(const OdometryObservation& o, Eigen::RowVectorXd& by) {
     const int component = odometry_rows_++ % 3;
@@ -95,53 +141,127 @@ class Patterns {
   }
 
   Times times_;
-  int odometry_rows_ = 0;
+  int odometry_rows_ = 0, pose_rows_ = 0;
+  const PoseObservation* pose_ = nullptr;  ///< whose rows come
 };
 
-/// By run.
-std::map<std::size_t, std::vector<Trajectory>> some_of_each(const std::vector<Trajectory>& trajectories) {
-  std::size_t arrivals = 0;
-  for (const Trajectory& t : trajectories) arrivals += t.arrivals.size();
+/// The clearest shift of measured poses from a group of them on. Errors of poses that lie near each other may
+/// be alike: significance is reduced by what groups scatter beside the shift more than white errors would.
+CommonError shift_of_poses(const ScoreTest& test, const Times& times, std::size_t run, int axes,
+                           const AdjustedParameters& parameters) {
+  constexpr double kSeen = 1e-3;  // of the information of the group that has most
+  CommonError best{.kind = Kind::kShift, .run = run};
+  const Eigen::Index errors = test.gradient().size();
+  Eigen::MatrixXd groups = Eigen::MatrixXd::Zero(errors, axes * kPoseGroups);
+  for (Eigen::Index k = 0; k < groups.cols(); ++k)
+    groups(Patterns::kBesidePoses + 3 * (k / axes) + k % axes, k) = 1.0;
+  const Eigen::ArrayXd variance = test.information(groups, groups, parameters.covariance).diagonal();
+  const auto is_seen = (variance > kSeen * variance.maxCoeff()).eval();
+  const double freedoms = std::max(1.0, static_cast<double>(is_seen.count() - axes));
+  for (Eigen::Index from = 1; from < kPoseGroups; ++from) {
+    Eigen::MatrixXd later = Eigen::MatrixXd::Zero(errors, axes);
+    for (Eigen::Index k = from * axes; k < groups.cols(); ++k) later.col(k % axes) += groups.col(k);
+    const ScoreTest::Finding found = test.of(later, parameters);
+    const Eigen::ArrayXd left =
+        groups.transpose() * test.gradient() -
+        test.information(groups, later, parameters.covariance, parameters.share) * found.size;
+    const double scatter = is_seen.select(left.square() / variance, 0.0).sum() / freedoms,
+                 sigmas = found.sigmas / std::sqrt(std::max(1.0, scatter));
+    if (!(sigmas > best.sigmas)) continue;
+    best.sigmas = sigmas;
+    best.time_s = times.group_s[static_cast<std::size_t>(from - 1)];
+    best.size = found.size.norm();
+    best.along.setZero();
+    best.along.head(axes) = found.size / best.size;
+  }
+  return best;
+}
+
+/// By run, of so many segments one.
+std::map<std::size_t, std::vector<Trajectory>> some_of_each(const std::vector<Trajectory>& trajectories,
+                                                            std::size_t stride) {
   std::map<std::size_t, std::vector<Trajectory>> some;
-  for (const Trajectory& t : trajectories) some[t.run].push_back(some_segments(t, arrivals / kArrivals + 1));
+  for (const Trajectory& t : trajectories) some[t.run].push_back(some_segments(t, stride));
   return some;
 }
 
 /// Each error of each run beyond chance, and odometry's, of which all runs have one.
-std::vector<CommonError> all_beyond_chance(const std::vector<Trajectory>& trajectories,
-                                           const SharedState& state, const AdjustedParameters& parameters,
-                                           double growth, int threads) {
-  std::vector<CommonError> all;
-  const auto add = [&](CommonError error, const ScoreTest& test, Eigen::Index column) {
-    error.size = test.size(column);
-    error.sigmas = test.sigmas(column) / growth;
-    if (std::abs(error.sigmas) > kBeyondChance) all.push_back(error);
-  };
-  ScoreTest of_odometry{Eigen::VectorXd::Zero(Patterns::kOfOdometry),
-                        Eigen::VectorXd::Zero(Patterns::kOfOdometry)};
-  std::size_t driven_run = 0;
-  for (const auto& [run, of_run] : some_of_each(trajectories)) {
-    const Times times = times_of(of_run);
-    Patterns patterns(times);
-    const ScoreTest test =
-        score_test(of_run, state, parameters, Patterns::kCount, std::ref(patterns), threads);
-    of_odometry.gradient += test.gradient.head(Patterns::kOfOdometry);
-    of_odometry.information += test.information.head(Patterns::kOfOdometry);
-    if (test.information.head(Patterns::kOfOdometry).sum() > 0) driven_run = run;
-    if (times.jump_s.empty()) continue;  // nothing was heard
-    const bool is_sound = of_run.front().nominal_speed_mps < kFasterThanSound_mps;
-    for (Eigen::Index column = Patterns::kOfOdometry; column < Patterns::kCount; ++column)
-      if (const CommonError error = patterns.error_of(column, run); is_sound || error.kind != Kind::kSpeed)
-        add(error, test, column);
+class ErrorSearch {
+ public:
+  ErrorSearch(const SharedState& state, const AdjustedParameters& parameters, double growth, int threads)
+      : state_(state), parameters_(parameters), growth_(growth), threads_(threads) {}
+
+  std::vector<CommonError> run(const std::vector<Trajectory>& trajectories) {
+    std::size_t arrivals = 0;
+    for (const Trajectory& t : trajectories) arrivals += t.arrivals.size();
+    const std::size_t stride = arrivals / kArrivals + 1;
+    parameters_.share /= static_cast<double>(stride);
+    const bool are_posed =
+        std::ranges::any_of(trajectories, [](const Trajectory& t) { return !t.poses.empty(); });
+    ScoreTest of_all(parameters_.layout.size(),
+                     Patterns::kBesidePoses + (are_posed ? Patterns::kOfPoses : 0));
+    std::size_t driven_run = 0;
+    for (const auto& [run, of_run] : some_of_each(trajectories, stride)) {
+      look_at(run, of_run, of_all);
+      if (std::ranges::any_of(of_run, is_led_by_odometry)) driven_run = run;
+    }
+    add({.kind = Kind::kWay, .run = driven_run}, of_all.of_error(0, parameters_));
+    add({.kind = Kind::kTurns, .run = driven_run}, of_all.of_error(1, parameters_));
+    return std::move(found_);
   }
-  add({.kind = Kind::kWay, .run = driven_run}, of_odometry, 0);
-  add({.kind = Kind::kTurns, .run = driven_run}, of_odometry, 1);
-  return all;
-}
+
+ private:
+  void look_at(std::size_t run, const std::vector<Trajectory>& trajectories, ScoreTest& of_all) {
+    const Times times = times_of(trajectories);
+    Patterns patterns(times);
+    const ScoreTest test = score_test(trajectories, state_, parameters_.layout, of_all.gradient().size(),
+                                      std::ref(patterns), threads_);
+    of_all.add(test);                  // of which odometry's errors alone are one in all runs
+    if (times.jump_s.empty()) return;  // nothing was heard
+    const Trajectory& first = trajectories.front();
+    const bool is_sound = first.nominal_speed_mps < kFasterThanSound_mps;
+    for (Eigen::Index column = Patterns::kOfOdometry; column < Patterns::kBesidePoses; ++column)
+      if (const CommonError error = patterns.error_of(column, run); is_sound || error.kind != Kind::kSpeed)
+        add(error, test.of_error(column, parameters_));
+    if (times.group_s.empty()) return;
+    CommonError shift =
+        shift_of_poses(test, times, run, first.motion == Motion::kPlanar ? 2 : 3, parameters_);
+    shift.sigmas /= growth_;
+    if (shift.sigmas > kBeyondChance) found_.push_back(shift);
+  }
+
+  void add(CommonError error, const ScoreTest::Finding& finding) {
+    error.size = finding.size[0];
+    error.sigmas = finding.sigmas / growth_;
+    if (std::abs(error.sigmas) > kBeyondChance) found_.push_back(error);
+  }
+
+  const SharedState& state_;
+  AdjustedParameters parameters_;
+  double growth_;
+  int threads_;
+  std::vector<CommonError> found_;
+};
 
 /// Errors of different recordings, or of odometry and of arrivals, do not explain each other.
 bool are_rivals(const CommonError& a, const CommonError& b) {
   return is_of_odometry(a) == is_of_odometry(b) && (is_of_odometry(a) || a.run == b.run);
+}
+
+Contradiction of_shift(const CommonError& e, const MeasurementLog& run) {
+  const Eigen::Vector3d shift_m = e.size * e.along, back_m = -shift_m;
+  const auto in_metres = [](const Eigen::Vector3d& p_m) {
+    return p_m.z() == 0.0 ? fmt::format("({:.3f}, {:.3f}) m", p_m.x(), p_m.y())
+                          : fmt::format("({:.3f}, {:.3f}, {:.3f}) m", p_m.x(), p_m.y(), p_m.z());
+  };
+  return {ContradictionKind::kPoses,
+          "in " + run.path + "/" + pose_file(run),
+          "poses in one frame throughout",
+          fmt::format("that from {:.6g} s on they are shifted by {}", e.time_s, in_metres(shift_m)),
+          e.sigmas,
+          fmt::format("look whether the instrument was set up again then; shift the later poses by {}, or "
+                      "leave them out",
+                      in_metres(back_m))};
 }
 
 std::string longer_by(double step_s) {
@@ -183,7 +303,7 @@ Contradiction of_speed(const CommonError& e, const Site& site, const std::string
 
 std::vector<CommonError> common_errors(const std::vector<Trajectory>& trajectories, const SharedState& state,
                                        const AdjustedParameters& parameters, double growth, int threads) {
-  std::vector<CommonError> all = all_beyond_chance(trajectories, state, parameters, growth, threads);
+  std::vector<CommonError> all = ErrorSearch(state, parameters, growth, threads).run(trajectories);
   std::ranges::stable_sort(all, std::ranges::greater{}, [](const auto& e) { return std::abs(e.sigmas); });
   std::vector<CommonError> errors;
   for (CommonError& e : all) {
@@ -213,6 +333,7 @@ Contradiction contradiction_of(const CommonError& e, const Site& site,
   const std::string& path = runs[e.run].path;
   if (is_of_odometry(e)) return of_odometry(e, path + "/odometry.csv");
   if (e.kind == Kind::kSpeed) return of_speed(e, site, path);
+  if (e.kind == Kind::kShift) return of_shift(e, runs[e.run]);
   if (e.kind == Kind::kDrift)
     return {
         ContradictionKind::kLog,
@@ -238,6 +359,11 @@ void take_back(const CommonError& e, Span span_s, MeasurementLog& run) {
       if (e.kind == Kind::kTurns) step.dheading_rad *= factor;
       if (e.kind == Kind::kWay) step.dx_m *= factor, step.dy_m *= factor, step.way_m *= factor;
     }
+    return;
+  }
+  if (e.kind == Kind::kShift) {
+    for (TimedPose& pose : run.poses)
+      if (pose.time_s >= e.time_s) pose.T_map_vehicle.translation_m -= e.size * e.along;
     return;
   }
   for (Arrival& a : run.arrivals) {

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "calib/statements/score_test.h"
 #include "models/contradiction.h"
 #include "models/run.h"
@@ -22,14 +24,17 @@ struct CommonError {
     kTurns,  ///< likewise too large
     kSpeed,  ///< sound is faster by that part of it at the recording's end than at its beginning
     kDrift,  ///< times of flight are longer by that [s] at its end
-    kJump    ///< times of flight are longer by that [s] from a time on
+    kJump,   ///< times of flight are longer by that [s] from a time on
+    kShift   ///< measured poses are shifted by that [m] from a time on
   };
   Kind kind = Kind::kWay;
-  std::size_t run = 0;  ///< index into Problem::runs; all odometry has one error
-  double time_s = 0.0;  ///< of a jump
-  double size = 0.0;    ///< about
-  double sigmas = 0.0;  ///< size over its standard deviation
-  /// Of the errors that explain the same residuals (those of one recording's arrivals, or of odometry).
+  std::size_t run = 0;                              ///< index into Problem::runs; all odometry has one error
+  double time_s = 0.0;                              ///< of a jump or a shift
+  double size = 0.0;                                ///< about
+  double sigmas = 0.0;                              ///< size over its standard deviation
+  Eigen::Vector3d along = Eigen::Vector3d::Zero();  ///< unit vector of a shift, in the map
+  /// Of the errors that explain the same residuals (of one recording's arrivals and measured poses, or of
+  /// odometry).
   enum class Rank { kAlone, kAmongEquals, kLess } rank = Rank::kAlone;
 };
 
@@ -39,7 +44,7 @@ struct CommonError {
 
 /// Those that residuals show beyond chance (score_test.h), of each recording and of odometry the clearest
 /// first, one of a kind. Of a long recording an evenly spread part is looked at.
-/// @param trajectories  adjusted
+/// @param trajectories  adjusted; parameters.share says which part of those that the parameters are from
 /// @param growth        of sigmas by errors that are correlated
 [[nodiscard]] std::vector<CommonError> common_errors(const std::vector<Trajectory>& trajectories,
                                                      const SharedState& state,

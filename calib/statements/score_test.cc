@@ -2,29 +2,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/statements/score_test.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <span>
 
-#include "calib/problem/shared_entries.h"
+#include <Eigen/Cholesky>
+
 #include "models/localizers/chain/chain_windows.h"
 #include "models/trajectory/stretches.h"
 
 namespace octant::calib {
 namespace {
 
-/// What is left of an error beside the parameters, at least.
-constexpr double kLeastLeft = 0.02;
-
-/// By the shared parameters: their derivatives times the errors, J'c.
-using ByParameters = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
 /// Adds what a window's rows say once their states have followed each error.
 void add_window(const Trajectory& t, const Segment& segment, const SharedState& state,
                 const ParameterLayout& layout, const ErrorPatterns& patterns, const ChainWindow& window,
-                ScoreTest& sum, ByParameters& by_parameters) {
+                Eigen::RowVectorXd& by, ScoreTest& test) {
   const Eigen::Index n = t.block_size();
-  Eigen::RowVectorXd by(sum.gradient.size());
   // Of the row's nodes; in rows of the solution, which has that of the state behind the window too.
   const auto moved = [&](std::size_t node, const NodeRow& by_state) -> Eigen::RowVectorXd {
     return by_state.leftCols(n) *
@@ -32,54 +27,83 @@ void add_window(const Trajectory& t, const Segment& segment, const SharedState& 
   };
   for_each_row(t, stretch_of(t, segment, window.first_node, window.last_node + 1), state,
                [&](const ObservationRow& row) {
-                 if (!patterns(t, row, by)) by.setZero();
+                 by.setZero();
+                 static_cast<void>(patterns(t, row, by));
                  by -= moved(row.node, row.by_node);
                  if (row.has_next) by -= moved(row.node + 1, row.by_next);
-                 sum.gradient += row.residual * by.transpose();
-                 sum.information += by.cwiseAbs2().transpose();
-                 const RowEntries shared = row_entries(row, t.run, layout, state);
-                 for (int i = 0; i < shared.count; ++i) {
-                   const auto k = static_cast<std::size_t>(i);
-                   by_parameters.row(shared.column[k]) += shared.value[k] * by;
-                 }
+                 test.add_row(row.residual, row_entries(row, t.run, layout, state), by);
                });
 }
 
 }  // namespace
 
-double ScoreTest::size(Eigen::Index error) const {
-  return information[error] > 0 ? gradient[error] / information[error] : 0.0;
+ScoreTest::ScoreTest(Eigen::Index parameters, Eigen::Index errors)
+    : gradient_(Eigen::VectorXd::Zero(errors)), squares_(Eigen::MatrixXd::Zero(errors, errors)) {
+  by_parameters_.setZero(parameters, errors);
 }
 
-double ScoreTest::sigmas(Eigen::Index error) const {
-  return information[error] > 0 ? gradient[error] / std::sqrt(information[error]) : 0.0;
+void ScoreTest::add_row(double residual, const RowEntries& shared, const Eigen::RowVectorXd& by) {
+  gradient_ += residual * by.transpose();
+  squares_.noalias() += by.transpose() * by;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(shared.count); ++i)
+    by_parameters_.row(shared.column[i]) += shared.value[i] * by;
+}
+
+void ScoreTest::add(const ScoreTest& other) {
+  gradient_ += other.gradient_;
+  squares_ += other.squares_;
+  by_parameters_ += other.by_parameters_;
+}
+
+Eigen::MatrixXd ScoreTest::information(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
+                                       const Covariance& covariance, double share) const {
+  Eigen::MatrixXd information = a.transpose() * squares_ * b;
+  if (by_parameters_.rows() == 0) return information;
+  const Eigen::MatrixXd by = by_parameters_ * b;
+  for (Eigen::Index j = 0; j < by.cols(); ++j)
+    information.col(j) -= a.transpose() * (by_parameters_.transpose() * covariance.times(by.col(j))) / share;
+  return information;
+}
+
+ScoreTest::Finding ScoreTest::of(const Eigen::MatrixXd& sums, const AdjustedParameters& parameters) const {
+  constexpr double kLeastLeft = 0.02;
+  Finding found{Eigen::VectorXd::Zero(sums.cols())};
+  const Eigen::VectorXd whole = (sums.transpose() * squares_ * sums).diagonal();
+  const Eigen::MatrixXd left = information(sums, sums, parameters.covariance, parameters.share);
+  if (!(left.diagonal().array() > kLeastLeft * whole.array()).all()) return found;
+  const Eigen::VectorXd gradient = sums.transpose() * gradient_;
+  found.size = Eigen::LDLT<Eigen::MatrixXd>(left).solve(gradient);
+  const Eigen::LDLT<Eigen::MatrixXd> variance(information(sums, sums, parameters.covariance));
+  const double root = std::sqrt(std::max(0.0, gradient.dot(variance.solve(gradient))));
+  found.sigmas = sums.cols() == 1 ? std::copysign(root, found.size[0]) : root;
+  return found;
+}
+
+ScoreTest::Finding ScoreTest::of_error(Eigen::Index error, const AdjustedParameters& parameters) const {
+  return of(Eigen::VectorXd::Unit(gradient_.size(), error), parameters);
 }
 
 ScoreTest score_test(const std::vector<Trajectory>& trajectories, const SharedState& state,
-                     const AdjustedParameters& parameters, Eigen::Index errors, const ErrorPatterns& patterns,
+                     const ParameterLayout& layout, Eigen::Index errors, const ErrorPatterns& patterns,
                      int threads) {
-  const ParameterLayout& layout = parameters.layout;
-  ScoreTest sum{Eigen::VectorXd::Zero(errors), Eigen::VectorXd::Zero(errors)};
-  ByParameters by_parameters = ByParameters::Zero(layout.size(), errors);
+  ScoreTest test(layout.size(), errors);
+  Eigen::RowVectorXd by(errors);
   for (const Trajectory& t : trajectories)
     for (const Segment& segment : t.segments) {
       if (segment.last_node == segment.first_node || !t.nodes[segment.first_node].placed) continue;
-      const ChainVariant variant{.without = {},
-                                 .columns = errors,
-                                 .errors_of = [&](const ObservationRow& row,
-                                                  Eigen::RowVectorXd& by) { return patterns(t, row, by); },
-                                 .visit =
-                                     [&](const ChainWindow& w) {
-                                       add_window(t, segment, state, layout, patterns, w, sum, by_parameters);
-                                     }};
+      const ChainVariant variant{
+          .without = {},
+          .columns = errors,
+          .errors_of =
+              [&](const ObservationRow& row, Eigen::RowVectorXd& of_row) {
+                of_row.setZero(errors);
+                return patterns(t, row, of_row);
+              },
+          .visit =
+              [&](const ChainWindow& w) { add_window(t, segment, state, layout, patterns, w, by, test); }};
       static_cast<void>(solve_by_windows(t, segment, state, std::span(&variant, 1), threads));
     }
-  for (Eigen::Index e = 0; e < errors && layout.size() > 0; ++e) {
-    const Eigen::VectorXd by = by_parameters.col(e);
-    const double left = sum.information[e] - by.dot(parameters.covariance.times(by));
-    sum.information[e] = left > kLeastLeft * sum.information[e] ? left : 0.0;
-  }
-  return sum;
+  return test;
 }
 
 }  // namespace octant::calib

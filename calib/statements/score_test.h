@@ -9,38 +9,63 @@
 
 #include "calib/adjust/covariance.h"
 #include "calib/problem/parameters.h"
+#include "calib/problem/shared_entries.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {
 
 /// By how much a row (its observation, whitened) grows with the size of each of some errors that the
-/// observations may have in common; false: with none of them.
+/// observations may have in common, which come as zeros; false: with none of them.
 using ErrorPatterns = std::function<bool(const Trajectory&, const ObservationRow&, Eigen::RowVectorXd& by)>;
-
-/// What the residuals of an adjustment say of errors that were not in it.
-struct ScoreTest {
-  Eigen::VectorXd gradient, information;  ///< an element for each error
-
-  [[nodiscard]] double size(Eigen::Index error) const;    ///< that explains the residuals best
-  [[nodiscard]] double sigmas(Eigen::Index error) const;  ///< of it, in its own standard deviations
-};
 
 /// Shared parameters as an adjustment left them.
 struct AdjustedParameters {
   const ParameterLayout& layout;
   const Covariance& covariance;  ///< by the noise that the rows have
+  double share = 1.0;            ///< of the observations that they are from, that is looked at
 };
 
-/// Score test (Rao 1948; for errors of known pattern the w-test of Baarda 1968) of each error c by itself,
-/// states and shared parameters adjusted along with it. With J of the states' and the parameters' own rows,
-/// each less what the states take up,
-///   gradient = c'r,   information = c'c - (J'c)' C (J'c)
-/// takes one sweep over the states and adjusts nothing. What parameters take up but for a fiftieth has no
-/// information: they may be bent by what is no error at all.
+/// What the residuals r of an adjustment say of errors C = (c1, c2, ...) that were not in it: score test (Rao
+/// 1948; for errors of known pattern the w-test of Baarda 1968), states and shared parameters adjusted along.
+/// With what the states leave of the errors, the parameters' rows J and their covariance Q,
+///   gradient = C'r, with the covariance C'C - (J'C)' Q (J'C), and by the errors' sizes
+///   C'C - (J'C)' Q (J'C) / share
+/// where the rows are only a share of those that Q and the parameters are from: these have followed the
+/// errors in all.
+class ScoreTest {
+ public:
+  ScoreTest(Eigen::Index parameters, Eigen::Index errors);
+  /// @param by  the errors in a row, less what the states take up of them; whitened
+  void add_row(double residual, const RowEntries& shared, const Eigen::RowVectorXd& by);
+  /// Of those errors that are the same in other observations.
+  void add(const ScoreTest& other);
+
+  struct Finding {
+    Eigen::VectorXd size;  ///< that explains the residuals best
+    double sigmas = 0.0;  ///< root of what that takes off the sum of their squares; with the sign of one size
+  };
+  /// Of errors that are sums of these, together. None where the parameters take up all but a fiftieth of
+  /// one: what bends them may be no error at all.
+  /// @param sums  a column each, of weights of the errors
+  [[nodiscard]] Finding of(const Eigen::MatrixXd& sums, const AdjustedParameters& parameters) const;
+  [[nodiscard]] Finding of_error(Eigen::Index error, const AdjustedParameters& parameters) const;
+
+  [[nodiscard]] const Eigen::VectorXd& gradient() const { return gradient_; }
+  /// C'C - (J'C)' Q (J'C) / share, of sums `a` (rows) with sums `b` (columns).
+  [[nodiscard]] Eigen::MatrixXd information(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
+                                            const Covariance& covariance, double share = 1.0) const;
+
+ private:
+  Eigen::VectorXd gradient_;
+  Eigen::MatrixXd squares_;                                                               ///< C'C
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> by_parameters_;  ///< J'C
+};
+
+/// Takes one sweep over the states and adjusts nothing.
 /// @param trajectories  adjusted, or a part of those from which the parameters are
 /// @param errors        how many; columns of what `patterns` fills
 [[nodiscard]] ScoreTest score_test(const std::vector<Trajectory>& trajectories, const SharedState& state,
-                                   const AdjustedParameters& parameters, Eigen::Index errors,
+                                   const ParameterLayout& layout, Eigen::Index errors,
                                    const ErrorPatterns& patterns, int threads = 1);
 
 }  // namespace octant::calib

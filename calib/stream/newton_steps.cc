@@ -101,6 +101,7 @@ class NewtonSteps {
     QuadraticSum sum(data, from, damping, &step.x);
     AdjustOptions options;
     options.max_iterations = options_.max_iterations;
+    options.workers.threads = options_.threads;
     options.function_tolerance = 1e-16;
     const AdjustResult result = adjust(frame_, estimate_.layout, sum, step.x, options);
     step.gain = data.cost() + prior_cost(frame_, estimate_.layout, from) - result.cost;

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <numeric>
 #include <utility>
 #include <vector>
 
 #include "calib/adjust/tile_sum.h"
+#include "calib/chain/reduced_system.h"
 
 namespace octant::calib {
 
@@ -18,7 +20,7 @@ class QuadraticSum : public SystemSum {
   /// @param damping  added to the matrix, of its diagonal
   /// @param x        where it is asked for, always the present one; not owned
   QuadraticSum(const SystemParts& data, Eigen::VectorXd at, double damping, const Eigen::VectorXd* x)
-      : parts_(data.list()), costs_(parts_.size()), at_(std::move(at)), x_(x) {
+      : parts_(data.parts()), costs_(parts_.size()), at_(std::move(at)), x_(x) {
     for (SystemPart& part : parts_) part.system.H.diagonal() *= 1.0 + damping;
   }
   double solve_states(const SharedState& /*state*/, const RobustLoss& /*loss*/) override {
@@ -32,9 +34,8 @@ class QuadraticSum : public SystemSum {
   }
   void reduce(const SharedState& state, const RobustLoss& loss, ReducedSystem& sum) override {
     SystemParts here;
-    here.add(empty_part(all_columns(static_cast<int>(at_.size()))));
     for (const SystemPart& part : reduce_each(state, loss)) here.add(part);
-    sum = std::move(here.list().front().system);
+    sum = here.whole(static_cast<int>(at_.size()));
   }
   [[nodiscard]] std::vector<SystemPart> reduce_each(const SharedState& state,
                                                     const RobustLoss& loss) override {

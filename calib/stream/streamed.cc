@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
-
-#include <fmt/format.h>
+#include <vector>
 
 #include "calib/adjust/priors.h"
 #include "calib/adjust/reject.h"
@@ -168,18 +168,32 @@ class StreamedLog : public CalibrationLog {
   std::optional<PassSum> first_sum_;  ///< at the start, where placing marked and summed up as well
 };
 
+/// Of more parameters than are dense: what a reading leaves, as often as it is held at a time. A drive ties
+/// all beacons that it passes, stops some dozens that are heard together.
+std::size_t bytes_of_sums(const Site& site, const std::vector<const MeasurementLog*>& runs, bool drives) {
+  constexpr std::size_t kSums = 6;
+  Problem frame;
+  frame.site = site;
+  for (const MeasurementLog* run : runs) frame.runs.push_back(without_lists(*run));
+  const auto n = static_cast<std::size_t>(make_layout(frame, prior_state(site)).size());
+  if (n <= kDenseLimit) return 0;
+  return kSums * sizeof(double) * n * (drives ? n : kDenseLimit);
+}
+
 }  // namespace
 
 std::size_t memory_of_held(std::size_t arrivals, std::size_t odometry_rows) {
   return arrivals * kBytesOfHeld + odometry_rows * kBytesOfHeldStep;
 }
 
-std::size_t least_memory_streamed(std::size_t arrivals, std::size_t odometry_rows) {
+std::size_t least_memory_streamed(const Site& site, const std::vector<const MeasurementLog*>& runs,
+                                  std::size_t arrivals, std::size_t odometry_rows) {
   constexpr std::size_t kMega = std::size_t{1} << 20, kProgram = 20 * kMega;
   constexpr std::size_t kSampledStates = 110'000, kBytesOfSampledState = 1600;
   constexpr std::size_t kOfDrives = 90 * kMega, kBytesOfStep = 115;  // rows, states, stretches looked at
-  if (odometry_rows > 0) return kOfDrives + odometry_rows * kBytesOfStep;
-  return kProgram + std::min(arrivals, kSampledStates) * kBytesOfSampledState + 7 * arrivals / 2;
+  const std::size_t sums = bytes_of_sums(site, runs, odometry_rows > 0);
+  if (odometry_rows > 0) return sums + kOfDrives + odometry_rows * kBytesOfStep;
+  return sums + kProgram + std::min(arrivals, kSampledStates) * kBytesOfSampledState + 7 * arrivals / 2;
 }
 
 Result<StreamedCalibration> solve_streamed(const Site& site, ArrivalSource& source,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "calib/calibrate.h"
 #include "models/arrival_source.h"
@@ -13,8 +14,11 @@ namespace octant::calib {
 [[nodiscard]] std::size_t memory_of_held(std::size_t arrivals, std::size_t odometry_rows = 0);
 
 /// The least that solve_streamed() needs: what is known of each arrival and each state between two readings,
-/// and the states that are looked at one by one in the end.
-[[nodiscard]] std::size_t least_memory_streamed(std::size_t arrivals, std::size_t odometry_rows = 0);
+/// the states that are looked at one by one in the end, and at sites of very many parameters their sums.
+/// @param runs  without their arrivals
+[[nodiscard]] std::size_t least_memory_streamed(const Site& site,
+                                                const std::vector<const MeasurementLog*>& runs,
+                                                std::size_t arrivals, std::size_t odometry_rows);
 
 struct StreamedCalibration {
   /// Its runs hold every so many-th epoch (Solution::whole), its trajectories are the solution's.

@@ -145,14 +145,15 @@ void tell_common_errors(const Problem& problem, Solution& solution) {
   for (const CommonError& e : solution.common_errors) {
     if (e.rank == CommonError::Rank::kLess) continue;
     Contradiction told = contradiction_of(e, problem.site, problem.runs);
-    const bool is_stated = is_of_odometry(e) || e.kind == CommonError::Kind::kJump;
+    const bool is_stated =
+        is_of_odometry(e) || e.kind == CommonError::Kind::kJump || e.kind == CommonError::Kind::kShift;
     if (is_stated && e.rank == CommonError::Rank::kAlone) {
       solution.contradictions.push_back(std::move(told));
       continue;
     }
     std::string warning = in_words(told) + "; " + told.remedy;
     if (e.rank == CommonError::Rank::kAmongEquals)
-      warning += "; a medium that changes, a clock that drifts and one that jumped look alike here";
+      warning += "; other errors (a medium that changes, a clock that drifts or jumped) look alike here";
     solution.warnings.push_back(std::move(warning));
   }
 }
@@ -209,7 +210,7 @@ void conclude_as_is(const Problem& problem, const SolveOptions& options, const E
   if (solution.status == SolveStatus::kConverged && !is_bent_by_a_clock(problem, solution))
     contradict(problem, options, estimate, trajectories, solution);
   if (solution.status == SolveStatus::kConverged)
-    solution.common_errors = common_errors(trajectories, solution.state, {estimate.layout, C},
+    solution.common_errors = common_errors(trajectories, solution.state, {estimate.layout, C, share_of_log},
                                            growth_of_sigmas(solution), options.threads);
   if (solution.contradictions.empty()) tell_common_errors(problem, solution);
   if (!solution.contradictions.empty())

@@ -323,7 +323,7 @@ Covariance covariance_at(const Problem& problem, const SolveOptions& options, co
     Covariance C = covariance_of(
         problem, layout,
         estimate.last.data
-            ? sparse_information(problem, layout, estimate.x, estimate.last.data->list())
+            ? sparse_information(problem, layout, estimate.x, estimate.last.data->parts())
             : sparse_information_at(problem, layout, trajectories, estimate.x, options.workers()),
         solution);
     solution.marginals = marginals_of(layout, C);
@@ -335,7 +335,7 @@ Covariance covariance_at(const Problem& problem, const SolveOptions& options, co
     return C;
   }
   const Eigen::MatrixXd data =
-      estimate.last.data ? estimate.last.data->dense(layout.size())
+      estimate.last.data ? estimate.last.data->whole(layout.size()).H
                          : information_at(problem, layout, trajectories, estimate.x, options.workers()).data;
   Covariance C = covariance_of(
       problem, layout, Eigen::MatrixXd(data + prior_information(problem, layout, estimate.x)), solution);

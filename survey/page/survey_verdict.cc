@@ -44,16 +44,14 @@ std::vector<std::string> steps_of(const Survey& s, Grade grade) {
   std::vector<std::string> steps;
   if (!s.model.tolerance.fix_m)
     steps.emplace_back("State tolerance.fix_m in the site file: what a fix must reach.");
-  if (lacks_beacons(s))
+  if (grade == Grade::kPoor) {
+    const std::string coverage = lacks_beacons(s) ? fmt::format(" --coverage {}", s.scene.coverage) : "";
     steps.push_back(
-        fmt::format("Hang more beacons, or ask for fewer (coverage in the scene): octant plan SITE.yaml "
-                    "--coverage {} says where.",
-                    s.scene.coverage));
-  else if (grade == Grade::kPoor)
-    steps.push_back(
-        fmt::format("Look at the map for where; octant plan SITE.yaml --tolerance {:g} says which "
-                    "beacons would do.",
-                    *s.model.tolerance.fix_m));
+        fmt::format("Look at the map for where; octant plan SITE.yaml {}{} says which beacons would do.",
+                    s.model.tolerance.fix_m ? fmt::format("--tolerance {:g}", *s.model.tolerance.fix_m)
+                                            : fmt::format("--beacons {}", s.model.beacons.size() + 1),
+                    coverage));
+  }
   if (!reach_is_known(s))
     steps.emplace_back(
         "State how far a beacon is heard (acoustics.range_m in the scene, --scene): until then every beacon "

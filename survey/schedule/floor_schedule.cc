@@ -40,7 +40,7 @@ Reverberance reverberance_of(const SurveyModel& model, const FloorScheduleOption
 }
 
 /// From the floor to somewhat above the highest beacon. The floor is at zero, or as low as what stands above
-/// it where all of that is below zero, or so far above it that heights are counted from elsewhere (the sea).
+/// it where some of that is below zero, or all so far above it that heights are counted from elsewhere.
 double hall_height_m(const SurveyModel& model) {
   constexpr double kAboveAnyFloorM = 10.0;
   double highest_m = -INFINITY, lowest_m = INFINITY;
@@ -51,7 +51,7 @@ double hall_height_m(const SurveyModel& model) {
   for (const SurveyReceiver& r : model.receivers)
     lowest_m = std::min(lowest_m, model.vehicle_z_m + r.p_vehicle_m.z());
   double floor_m = 0.0;
-  if (highest_m < 0.0 || lowest_m > kAboveAnyFloorM) {
+  if (lowest_m < 0.0 || lowest_m > kAboveAnyFloorM) {
     // A vehicle in the plane may have its origin at zero whatever its receivers' heights are counted from.
     const bool vehicle_stands_there = model.vehicle_z_m > lowest_m - kAboveAnyFloorM;
     floor_m = vehicle_stands_there ? std::min(lowest_m, model.vehicle_z_m) : lowest_m;

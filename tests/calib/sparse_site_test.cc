@@ -149,7 +149,10 @@ calib::Solution streamed(const World& world, int dense_limit, const calib::Ranks
   calib::SolveOptions options;
   options.dense_limit = dense_limit;
   options.ranks = ranks;
-  MemorySource source({world.run}, 300);
+  std::vector<MeasurementLog> runs = {world.run};
+  if (!world.heldout.arrivals.empty() && world.heldout.has_epochs != world.run.has_epochs)
+    runs.push_back(world.heldout);  // stops beside a drive
+  MemorySource source(runs, 300);
   return must(calib::solve_streamed(world.site, source, options, std::size_t{8} << 20U)).solution;
 }
 
@@ -176,6 +179,12 @@ TEST(SparseSite, IsDrivenThroughInPieces) {
   Scenario s = drive_scenario(500.0);
   s.echo_fraction = 0.01;
   expect_same_streamed(must(simulate(s, 16)));
+  s = drive_scenario(300.0);
+  s.heldout_path.kind = PathKind::kStops;
+  s.heldout_path.epochs = 1500;
+  const World both = must(simulate(s, 17));
+  ASSERT_TRUE(both.heldout.has_epochs);
+  expect_same_streamed(both);
 }
 
 TEST(SparseSite, FreeNetworkHasTheSameCovarianceInBothWays) {

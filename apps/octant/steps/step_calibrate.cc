@@ -73,7 +73,7 @@ auto with_progress(bool strict, Session& session, Solve&& solve) {
   return solve(options);
 }
 
-/// Recordings that are to be streamed; none where they fit into memory or cannot be, which is said.
+/// Recordings that are to be streamed; none where they fit into memory.
 std::unique_ptr<StreamSource> too_long(const Site& site, const std::vector<std::string>& runs,
                                        std::size_t memory_mb, Session& session) {
   constexpr std::size_t kMega = std::size_t{1} << 20;
@@ -86,7 +86,7 @@ std::unique_ptr<StreamSource> too_long(const Site& site, const std::vector<std::
   if (needed_mb <= memory_mb) return nullptr;
   const std::string much = fmt::format(
       "these recordings would take about {} MB of memory, more than --memory-mb {}", needed_mb, memory_mb);
-  const std::size_t least_mb = calib::least_memory_streamed(rows, steps) / kMega;
+  const std::size_t least_mb = calib::least_memory_streamed(site, source->logs(), rows, steps) / kMega;
   warn_of_repeated_runs(runs, session);
   session.note(fmt::format(
       "{}: they are read in chunks, several times{}", much,

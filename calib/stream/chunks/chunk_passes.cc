@@ -11,6 +11,7 @@
 #include "calib/adjust/over_ranks.h"
 #include "calib/adjust/reject.h"
 #include "calib/adjust/tile_sum.h"
+#include "calib/chain/reduced_system.h"
 #include "calib/problem/flips.h"
 #include "calib/problem/gates.h"
 #include "calib/stream/long_log.h"
@@ -43,7 +44,7 @@ class PassSummer {
  public:
   /// @param first  first chunk of this rank
   PassSummer(std::size_t first, const ParameterLayout& layout) : in_order_(first), layout_(layout) {
-    if (is_dense(layout_)) sum_.system.add(empty_part(all_columns(layout_.size())));
+    if (is_dense(layout_)) sum_.system.whole_part(layout_.size());
   }
 
   /// Solves for the trajectories of a chunk with plain squares, marks them as asked, and reduces them.
@@ -77,7 +78,7 @@ class PassSummer {
   [[nodiscard]] PassSum sum(const Ranks* ranks) && {
     sum_over(ranks, sum_.counts);
     if (is_dense(layout_)) {
-      sum_over(ranks, sum_.system.list().front().system);
+      sum_over(ranks, sum_.system.whole_part(layout_.size()));
     } else {
       sum_over(ranks, sum_.system);
     }
@@ -87,13 +88,11 @@ class PassSummer {
  private:
   void reduce(TileSum& tiles, const SharedState& state, SystemParts& sum) const {
     if (is_dense(layout_)) {
-      // To the worker's own system, whose memory stays.
-      if (sum.list().empty()) sum.add({all_columns(layout_.size()), {}});
-      tiles.reduce(state, {}, sum.list().front().system);
+      tiles.reduce(state, {}, sum.whole_part(layout_.size()));  // the worker's, whose memory stays
       return;
     }
     sum = {};
-    for (SystemPart& part : tiles.reduce_each(state, {})) sum.add(std::move(part));
+    tiles.reduce_onto(state, sum);
   }
 
   OrderedParts<PassSum> in_order_;

@@ -77,7 +77,7 @@ TEST(Adjust, StopsWhereTheLastStepIsForetoldAndNotBefore) {
       if (!result.data) continue;
       ++with_matrix;
       const Eigen::VectorXd scale = H.diagonal().cwiseSqrt().cwiseInverse();
-      EXPECT_LT((scale.asDiagonal() * (result.data->dense(off.layout.size()) - H) * scale.asDiagonal())
+      EXPECT_LT((scale.asDiagonal() * (result.data->whole(off.layout.size()).H - H) * scale.asDiagonal())
                     .cwiseAbs()
                     .maxCoeff(),
                 1e-3);

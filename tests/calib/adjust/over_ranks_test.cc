@@ -58,5 +58,36 @@ TEST(InOrder, ListsOfAllPartsStandOneBehindTheOtherOnEveryRank) {
   }
 }
 
+// Some ranks have no part, of the empty log all have none.
+TEST(SumOverRanks, SystemsOfOtherColumnsAddUp) {
+  for (const bool is_empty : {false, true}) {
+    std::mutex mutex;
+    std::vector<Eigen::MatrixXd> sums;
+    for_each_rank(4, [&](const calib::Ranks& rank) {
+      calib::SystemParts parts;
+      if (!is_empty && rank.index() != 1) {
+        calib::SystemPart part = calib::empty_part({rank.index(), rank.index() + 1});
+        part.system.H << 2.0, 1.0, 1.0, 3.0;
+        part.system.gradient << 1.0, -1.0;
+        part.system.cost = 1.0;
+        parts.add(part);
+      }
+      calib::sum_over(&rank, parts);
+      const calib::ReducedSystem whole = parts.whole(5);
+      const std::lock_guard lock(mutex);
+      EXPECT_EQ(whole.cost, is_empty ? 0.0 : 3.0);
+      EXPECT_EQ(whole.gradient,
+                is_empty ? Eigen::VectorXd::Zero(5)
+                         : Eigen::VectorXd(Eigen::VectorXd::Unit(5, 0) - Eigen::VectorXd::Unit(5, 1) +
+                                           Eigen::VectorXd::Unit(5, 2) - Eigen::VectorXd::Unit(5, 4)));
+      sums.push_back(whole.H);
+    });
+    Eigen::MatrixXd want = Eigen::MatrixXd::Zero(5, 5);
+    for (const int k : {0, 2, 3})
+      if (!is_empty) want.block<2, 2>(k, k) += (Eigen::Matrix2d() << 2.0, 1.0, 1.0, 3.0).finished();
+    for (const Eigen::MatrixXd& sum : sums) EXPECT_EQ(sum, want);
+  }
+}
+
 }  // namespace
 }  // namespace octant::test

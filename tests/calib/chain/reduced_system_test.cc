@@ -46,9 +46,9 @@ TEST(SystemParts, AddUpToTheDenseMatrix) {
     sum.add(part);
   }
   EXPECT_NEAR(sum.cost(), cost, 1e-9);
-  EXPECT_LT((sum.dense(kParameters) - H).cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_LT((sum.whole(kParameters).H - H).cwiseAbs().maxCoeff(), 1e-9);
   std::size_t numbers = 0;
-  for (const calib::SystemPart& part : sum.list()) {
+  for (const calib::SystemPart& part : sum.parts()) {
     EXPECT_TRUE(std::ranges::is_sorted(part.columns));
     of_parts(part.columns) += part.system.gradient;
     numbers += part.columns.size() * part.columns.size();
@@ -56,7 +56,7 @@ TEST(SystemParts, AddUpToTheDenseMatrix) {
   EXPECT_LT((of_parts - gradient).cwiseAbs().maxCoeff(), 1e-9);
   // A band of 24 beside its diagonal has some 19,000 numbers; the whole has 160,000.
   EXPECT_LT(numbers, 60000U);
-  EXPECT_GT(sum.list().size(), 4U);
+  EXPECT_GT(sum.parts().size(), 4U);
 }
 
 TEST(SystemParts, OfALongListAreJoined) {
@@ -64,7 +64,7 @@ TEST(SystemParts, OfALongListAreJoined) {
   calib::SystemParts sum;
   constexpr int kMany = 40000;
   for (int i = 0; i < 2000; ++i) sum.add(some_part(random, kMany));
-  EXPECT_LE(sum.list().size(), 256U);
+  EXPECT_LE(sum.parts().size(), 256U);
 }
 
 TEST(SystemParts, OfAllColumnsAreOne) {
@@ -72,15 +72,15 @@ TEST(SystemParts, OfAllColumnsAreOne) {
   calib::SystemParts sum;
   sum.add(calib::empty_part(calib::all_columns(kParameters)));
   for (int i = 0; i < 20; ++i) sum.add(some_part(random));
-  ASSERT_EQ(sum.list().size(), 1U);
+  ASSERT_EQ(sum.parts().size(), 1U);
   calib::SystemParts twice;
   twice.add(sum);
   twice.add(sum);
   const double cost = sum.cost();
-  EXPECT_EQ(twice.dense(kParameters), 2 * sum.dense(kParameters));
+  EXPECT_EQ(twice.whole(kParameters).H, 2 * sum.whole(kParameters).H);
   sum.scale(2.0);
   EXPECT_EQ(sum.cost(), 2 * cost);
-  EXPECT_EQ(twice.dense(kParameters), sum.dense(kParameters));
+  EXPECT_EQ(twice.whole(kParameters).H, sum.whole(kParameters).H);
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "calib/adjust/information.h"
-#include "calib/statements/score_test.h"
+#include "calib/statements/common_errors.h"
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {

@@ -69,6 +69,23 @@ TEST(CommonErrors, OdometryThatTurnsTooFarIsContradicted) {
   EXPECT_THAT(solution.contradictions[0].found, HasSubstr("% too large"));
 }
 
+// All recordings of one vehicle have its odometry's scale.
+TEST(CommonErrors, OdometryOfTwoRunsHasOneError) {
+  Scenario s = drive_scenario(40.0);
+  s.heldout_path = s.path;
+  World world = must(simulate(s, 6));
+  const calib::CommonError turns{.kind = Kind::kTurns, .size = -0.03};
+  for (MeasurementLog* run : {&world.run, &world.heldout}) calib::take_back(turns, calib::span_of({}), *run);
+  const auto found = [&](const std::vector<MeasurementLog>& runs) {
+    const auto all = calib::solve(must(calib::make_problem(world.site, runs)), {}).common_errors;
+    const auto of_turns = std::ranges::find(all, Kind::kTurns, &calib::CommonError::kind);
+    return of_turns == all.end() ? calib::CommonError{} : *of_turns;
+  };
+  const calib::CommonError one = found({world.run}), both = found({world.run, world.heldout});
+  EXPECT_GT(both.sigmas, 1.1 * one.sigmas);
+  EXPECT_NEAR(both.size, 0.03, 0.012);
+}
+
 // What bends between two rows is seen by exact poses as a scale; it does no harm beside them.
 TEST(CommonErrors, OdometryIsNotJudgedBesideMeasuredPoses) {
   Scenario s = drive_scenario(40.0);
@@ -76,6 +93,38 @@ TEST(CommonErrors, OdometryIsNotJudgedBesideMeasuredPoses) {
   const World world = with_error(must(simulate(s, 6)), {.kind = Kind::kTurns, .size = 0.03});
   const calib::Solution solution = solution_of(world);
   for (const calib::CommonError& e : solution.common_errors) EXPECT_FALSE(calib::is_of_odometry(e));
+}
+
+/// A cart whose poses were measured.
+World posed_cart(std::uint64_t seed) {
+  Scenario s = hall_scenario();
+  s.log_poses = true;
+  return must(simulate(s, seed));
+}
+
+// An instrument that was set up again, some centimetres beside where it had been: beacons were twenty of
+// their sigmas off, and the grade was Good.
+TEST(CommonErrors, PosesThatShiftMidwayAreNamed) {
+  for (const double size_m : {0.02, 0.05}) {
+    World world = posed_cart(9);
+    calib::CommonError shift{.kind = Kind::kShift, .time_s = middle_s(world), .size = size_m};
+    shift.along = Eigen::Vector3d(0.6, -0.8, 0.0);
+    world = with_error(world, shift);
+    const calib::Solution solution = explained_solution(world);
+    ASSERT_EQ(solution.contradictions.size(), 1U);
+    EXPECT_EQ(solution.contradictions[0].kind, ContradictionKind::kPoses);
+    EXPECT_THAT(solution.contradictions[0].found, HasSubstr("they are shifted by"));
+    ASSERT_FALSE(solution.common_errors.empty());
+    const calib::CommonError& found = solution.common_errors.front();
+    EXPECT_EQ(found.kind, Kind::kShift);
+    EXPECT_NEAR(found.size, size_m, 0.3 * size_m);
+    EXPECT_GT(found.along.dot(shift.along), 0.95);
+  }
+}
+
+TEST(CommonErrors, PosesThatDoNotShiftAreNotNamed) {
+  for (std::uint64_t seed = 10; seed < 18; ++seed)
+    EXPECT_THAT(solution_of(posed_cart(seed)).common_errors, IsEmpty()) << seed;
 }
 
 TEST(CommonErrors, AHallThatWarmsIsToldAndNothingIsBlamed) {
@@ -113,6 +162,9 @@ TEST(CommonErrors, AreSaidWithWhatToDo) {
   EXPECT_THAT(said({.kind = Kind::kDrift, .size = 5e-5}), HasSubstr("0.05 ms longer at its end"));
   EXPECT_THAT(said({.kind = Kind::kJump, .time_s = 12.5, .size = -5e-5}),
               HasSubstr("from 12.5 s on times of flight are 0.05 ms shorter"));
+  EXPECT_THAT(said({.kind = Kind::kShift, .time_s = 12.5, .size = 0.5, .along = {0.6, -0.8, 0.0}}),
+              AllOf(HasSubstr("from 12.5 s on they are shifted by (0.300, -0.400) m"),
+                    HasSubstr("shift the later poses by (-0.300, 0.400) m")));
   site.medium.model = MediumModel::kConstant;
   EXPECT_THAT(said({.kind = Kind::kSpeed, .size = 0.001}), Not(HasSubstr("degC by")));
 }

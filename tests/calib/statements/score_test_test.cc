@@ -27,39 +27,87 @@ struct Errors {
   }
 };
 
-/// Least cost over all states and parameters once an error of that size is taken back.
-double cost_without(std::vector<Trajectory> trajectories, const Adjusted& of, const Errors& errors, int which,
-                    double size) {
+/// Least cost over all states and parameters once errors of these sizes are taken back.
+double cost_without(std::vector<Trajectory> trajectories, const Adjusted& of, const Errors& errors,
+                    const Eigen::Vector2d& sizes) {
   for (Trajectory& t : trajectories)
     for (ArrivalObservation& a : t.arrivals)
-      a.tof_s -= a.time_s < errors.from_s ? (which == 1 ? size * a.tof_s : 0.0) : (which == 0 ? size : 0.0);
+      a.tof_s -= a.time_s < errors.from_s ? sizes[1] * a.tof_s : sizes[0];
   Eigen::VectorXd x = of.x;
   return calib::adjust(of.problem, of.layout, trajectories, x, {.function_tolerance = 1e-14}).cost;
 }
 
 /// A drive of more windows than one, and stops.
-class ScoreTest : public ::testing::TestWithParam<bool> {};
+class ScoreTest : public ::testing::TestWithParam<bool> {
+ protected:
+  static World world_of(std::uint64_t seed, double duration_s) {
+    return must(simulate(GetParam() ? drive_scenario(duration_s) : hall_scenario(), seed));
+  }
+};
 INSTANTIATE_TEST_SUITE_P(StopsAndDrives, ScoreTest, ::testing::Bool());
 
 // Against the parabola of the cost when everything is adjusted again with the error taken back.
 TEST_P(ScoreTest, IsWhatAdjustingAgainGains) {
-  const World world = must(simulate(GetParam() ? drive_scenario() : hall_scenario(), 3));
+  const World world = world_of(3, 60.0);
   const calib::Solution solution = solution_of(world);
   ASSERT_EQ(solution.status, calib::SolveStatus::kConverged);
   const std::vector<Arrival>& arrivals = world.run.arrivals;
   const Errors errors{arrivals[arrivals.size() / 3].time_s};
   const Adjusted adjusted(world, solution);
-  const auto test =
-      calib::score_test(solution.trajectories, solution.state, adjusted.parameters(), 3, errors);
+  const calib::AdjustedParameters parameters = adjusted.parameters();
+  const auto test = calib::score_test(solution.trajectories, solution.state, adjusted.layout, 3, errors);
+  const auto cost = [&](const Eigen::Vector2d& sizes) {
+    return cost_without(solution.trajectories, adjusted, errors, sizes);
+  };
+  const double at = cost(Eigen::Vector2d::Zero());
   for (int which = 0; which < 2; ++which) {
-    const double step = 3.0 / std::sqrt(test.information[which]);
-    const double at = cost_without(solution.trajectories, adjusted, errors, which, 0.0),
-                 more = cost_without(solution.trajectories, adjusted, errors, which, step),
-                 less = cost_without(solution.trajectories, adjusted, errors, which, -step);
-    EXPECT_NEAR(test.information[which] * step * step, more + less - 2 * at, 0.01 * (more + less - 2 * at));
-    EXPECT_NEAR(test.sigmas(which), 1.5 * (less - more) / (more + less - 2 * at), 0.1);
+    const Eigen::Vector3d unit = Eigen::Vector3d::Unit(which);
+    const double information = test.information(unit, unit, adjusted.covariance)(0, 0),
+                 step = 3.0 / std::sqrt(information);
+    const Eigen::Vector2d aside = step * unit.head<2>();
+    const double more = cost(aside), less = cost(-aside), bend = more + less - 2 * at;
+    EXPECT_NEAR(information * step * step, bend, 0.01 * bend);
+    EXPECT_NEAR(test.of_error(which, parameters).sigmas, 1.5 * (less - more) / bend, 0.1);
+    EXPECT_NEAR(test.of_error(which, parameters).size[0], step * 0.5 * (less - more) / bend, 0.1 * step);
   }
-  EXPECT_EQ(test.sigmas(2), 0.0);
+  EXPECT_EQ(test.of_error(2, parameters).sigmas, 0.0) << "the parameters take it up";
+  EXPECT_EQ(test.of_error(2, parameters).size[0], 0.0);
+}
+
+// Of a part of the log the size is the same, though the parameters have followed the error in all of it.
+TEST(ScoreTests, OfAPartSayTheSameSize) {
+  Scenario scenario = hall_scenario();
+  scenario.path.epochs = 900;
+  World world = must(simulate(scenario, 5));
+  const Errors errors{world.run.arrivals[world.run.arrivals.size() / 2].time_s};
+  for (Arrival& a : world.run.arrivals) a.tof_s += a.time_s < errors.from_s ? 0.0 : 1e-5;
+  const calib::Solution solution = solution_of(world);
+  const Adjusted adjusted(world, solution);
+  std::vector<Trajectory> part;
+  for (const Trajectory& t : solution.trajectories) part.push_back(some_segments(t, 4));
+  const auto tested = [&](const std::vector<Trajectory>& trajectories, double share) {
+    return calib::score_test(trajectories, solution.state, adjusted.layout, 3, errors)
+        .of_error(0, {adjusted.layout, adjusted.covariance, share});
+  };
+  const auto whole = tested(solution.trajectories, 1.0), quarter = tested(part, 0.25);
+  EXPECT_NEAR(whole.size[0], 1e-5, 1e-6);
+  EXPECT_NEAR(quarter.size[0], whole.size[0], 0.2 * whole.size[0]);
+  EXPECT_LT(quarter.sigmas, whole.sigmas);
+}
+
+// Of two errors together, as large as they are found.
+TEST_P(ScoreTest, OfSeveralIsWhatTheyGainTogether) {
+  World world = world_of(4, 60.0);
+  const Errors errors{world.run.arrivals[world.run.arrivals.size() / 3].time_s};
+  for (Arrival& a : world.run.arrivals) a.tof_s += a.time_s < errors.from_s ? 2e-4 * a.tof_s : 4e-6;
+  const calib::Solution solution = solution_of(world);
+  const Adjusted adjusted(world, solution);
+  const auto test = calib::score_test(solution.trajectories, solution.state, adjusted.layout, 3, errors);
+  const auto found = test.of(Eigen::MatrixXd::Identity(3, 2), adjusted.parameters());
+  const double gain = cost_without(solution.trajectories, adjusted, errors, Eigen::Vector2d::Zero()) -
+                      cost_without(solution.trajectories, adjusted, errors, found.size);
+  EXPECT_GT(gain, 1.0);
+  EXPECT_NEAR(0.5 * found.sigmas * found.sigmas, gain, 0.05 * gain);
 }
 
 // What chance leaves of an error that is not there.
@@ -67,24 +115,23 @@ TEST_P(ScoreTest, IsNoLargerThanChance) {
   double squares = 0.0;
   constexpr int kWorlds = 25;
   for (std::uint64_t seed = 1; seed <= kWorlds; ++seed) {
-    const World world = must(simulate(GetParam() ? drive_scenario(30.0) : hall_scenario(), seed));
+    const World world = world_of(seed, 30.0);
     const calib::Solution solution = solution_of(world);
     const Errors errors{world.run.arrivals[world.run.arrivals.size() / 2].time_s};
     const Adjusted adjusted(world, solution);
-    const auto test =
-        calib::score_test(solution.trajectories, solution.state, adjusted.parameters(), 3, errors);
-    squares += test.sigmas(0) * test.sigmas(0);
-    EXPECT_LT(std::abs(test.sigmas(1)), 4.0) << seed;
+    const auto test = calib::score_test(solution.trajectories, solution.state, adjusted.layout, 3, errors);
+    squares += std::pow(test.of_error(0, adjusted.parameters()).sigmas, 2);
+    EXPECT_LT(std::abs(test.of_error(1, adjusted.parameters()).sigmas), 4.0) << seed;
   }
-  EXPECT_LT(squares / kWorlds, 1.8);
-  EXPECT_GT(squares / kWorlds, 0.4);  // chi-square of 25, one chance in a thousand
+  EXPECT_LT(squares / kWorlds, 2.11);  // chi-square of 25, one chance in a thousand either way
+  EXPECT_GT(squares / kWorlds, 0.34);
 }
 
 TEST(ScoreTests, OfNothingAreZero) {
   const calib::ParameterLayout none;
-  const auto test = calib::score_test({}, {}, {none, {}}, 2, Errors{0.0});
-  EXPECT_EQ(test.sigmas(0), 0.0);
-  EXPECT_EQ(test.size(1), 0.0);
+  const auto test = calib::score_test({}, {}, none, 2, Errors{0.0});
+  EXPECT_EQ(test.of_error(0, {none, {}}).sigmas, 0.0);
+  EXPECT_EQ(test.of_error(1, {none, {}}).size[0], 0.0);
 }
 
 }  // namespace

@@ -19,8 +19,8 @@ TEST(JoinedReadings, AddUp) {
   const calib::PassSum sum = must(both.pass(at(1.0), calib::RejectionPolicy::kKept));
   EXPECT_EQ(sum.system.cost(), 0.5 * 16 + 0.5);
   EXPECT_EQ(sum.counts.cost_before, sum.system.cost());
-  EXPECT_EQ(sum.system.list().front().system.gradient[0], -8.0 + 1.0);
-  EXPECT_EQ(sum.system.dense(1)(0, 0), 5.0);
+  EXPECT_EQ(sum.system.parts().front().system.gradient[0], -8.0 + 1.0);
+  EXPECT_EQ(sum.system.whole(1).H(0, 0), 5.0);
 }
 
 TEST(JoinedReadings, AcceptTogether) {

@@ -27,7 +27,7 @@ TEST(NewtonSteps, EndAtTheMinimumWithThePriors) {
   EXPECT_TRUE(estimate.last.converged) << estimate.last.message;
   EXPECT_NEAR(estimate.x[0], 2.0, 1e-9);
   EXPECT_NEAR(estimate.last.cost, 0.5 * 4 + 0.5 * 4, 1e-9);
-  EXPECT_EQ(last.system.dense(1)(0, 0), 4.0);
+  EXPECT_EQ(last.system.whole(1).H(0, 0), 4.0);
   EXPECT_EQ(line.accepted, line.passes);
   EXPECT_LE(line.passes, 3);
 }

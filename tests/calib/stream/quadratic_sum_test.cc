@@ -10,9 +10,8 @@ namespace {
 /// Of three parameters: the first two see each other, and so do the last two.
 calib::SystemParts two_parts() {
   calib::SystemParts data;
-  data.list().push_back(
-      {{0, 1}, {7.0, Eigen::Vector2d(1.0, -2.0), (Eigen::Matrix2d() << 4.0, 1.0, 1.0, 3.0).finished()}});
-  data.list().push_back(
+  data.add({{0, 1}, {7.0, Eigen::Vector2d(1.0, -2.0), (Eigen::Matrix2d() << 4.0, 1.0, 1.0, 3.0).finished()}});
+  data.add(
       {{1, 2}, {2.0, Eigen::Vector2d(0.5, 0.25), (Eigen::Matrix2d() << 2.0, -1.0, -1.0, 5.0).finished()}});
   return data;
 }
@@ -49,7 +48,7 @@ TEST(QuadraticSum, IsAskedForByItsParts) {
   ASSERT_EQ(here.size(), 2U);
   EXPECT_EQ(sum.columns_of(1), (std::vector<int>{1, 2}));
   const Eigen::Vector2d d(-0.7, 0.2), g(0.5, 0.25);
-  const Eigen::Matrix2d H = two_parts().list()[1].system.H;
+  const Eigen::Matrix2d H = two_parts().parts()[1].system.H;
   EXPECT_NEAR(here[1].system.cost, 2.0 + d.dot(g) + 0.5 * d.dot(H * d), 1e-14);
   EXPECT_EQ(here[1].system.cost, sum.costs()[1]);
   EXPECT_LT((here[1].system.gradient - g - H * d).norm(), 1e-14);

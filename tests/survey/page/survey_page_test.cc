@@ -88,7 +88,7 @@ TEST(SurveyPage, FewerBeaconsThanAskedForAreNotGood) {
   EXPECT_THAT(survey_verdict(survey).sentence,
               testing::EndsWith("0.0 % of the floor hears the 9 beacons that the scene asks for."));
   EXPECT_THAT(survey_verdict(survey).next,
-              testing::Contains(HasSubstr("octant plan SITE.yaml --coverage 9")));
+              testing::Contains(HasSubstr("octant plan SITE.yaml --tolerance 0.003 --coverage 9")));
   survey.k_covered_fraction = 1.0;
   EXPECT_EQ(survey_verdict(survey).grade, Grade::kGood);
   survey.scene.coverage = 0;  // what nobody asked for is told alone
