@@ -123,8 +123,12 @@ TEST(CommonErrors, PosesThatShiftMidwayAreNamed) {
 }
 
 TEST(CommonErrors, PosesThatDoNotShiftAreNotNamed) {
-  for (std::uint64_t seed = 10; seed < 18; ++seed)
+  Scenario drive = drive_scenario(40.0);
+  drive.log_poses = true;
+  for (std::uint64_t seed = 10; seed < 18; ++seed) {
     EXPECT_THAT(solution_of(posed_cart(seed)).common_errors, IsEmpty()) << seed;
+    EXPECT_THAT(solution_of(must(simulate(drive, seed))).common_errors, IsEmpty()) << seed;
+  }
 }
 
 TEST(CommonErrors, AHallThatWarmsIsToldAndNothingIsBlamed) {
