@@ -67,10 +67,11 @@ std::size_t reject_outliers(std::vector<Trajectory>& trajectories, const SharedS
     for_each_chunk(t.arrivals.size(), kArrivalsAtOnce, threads,
                    [&](std::size_t, std::size_t first, std::size_t last) {
                      std::size_t changed = 0;
+                     ArrivalResiduals residual_of(t, state);
                      for (std::size_t i = first; i < last; ++i) {
                        ArrivalObservation& a = t.arrivals[i];
                        if (is_by_residual(a.rejection) || is_gated(a.rejection))
-                         a.rejection = decide(arrival_residual(t, a, state), a.rejection, changed);
+                         a.rejection = decide(residual_of(a), a.rejection, changed);
                      }
                      changes += changed;
                    });

@@ -12,6 +12,7 @@
 #include "calib/stream/chunks/state_bearings.h"
 #include "models/localizers/least_squares/linear_ranges.h"
 #include "models/support/parallel.h"
+#include "models/trajectory/linearise.h"
 
 namespace octant::calib {
 namespace {
@@ -208,9 +209,10 @@ void place_all_stops(const Problem& problem, const ParameterLayout& layout, cons
       const Segment& s = t.segments[k];
       Node& node = t.nodes[s.first_node];
       if (s.first_pose < s.last_pose) return;  // which no search places
+      ArrivalResiduals residual_of(t, state);
       for (std::size_t i = s.first_arrival; i < s.last_arrival && node.placed; ++i)
         if (t.arrivals[i].rejection == Rejection::kUsed &&
-            std::abs(arrival_residual(t, t.arrivals[i], state)) > suspect_sigmas)
+            std::abs(residual_of(t.arrivals[i])) > suspect_sigmas)
           node.placed = false;
     });
     place_states(t, model, 0.0, false, 0.0, workers.threads);

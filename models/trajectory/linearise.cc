@@ -314,6 +314,19 @@ double chain_cost(const Trajectory& t, const Segment& segment, const SharedState
   return cost;
 }
 
+namespace {
+
+/// What most arrivals are, of which long logs have many: the first term of the measurement equation.
+double plain_residual(const ArrivalObservation& a, const Eigen::Vector3d& p_receiver_map_m,
+                      const SharedState& state, double speed_offset_mps) {
+  const double distance_m = (p_receiver_map_m - state.beacon_p_map_m[a.beacon.index()]).norm();
+  const double tof_s =
+      distance_m / (a.model_speed_mps + speed_offset_mps) + state.delay_s(a.beacon, a.receiver);
+  return (a.tof_s - tof_s) / a.sigma_s;
+}
+
+}  // namespace
+
 double arrival_residual(const Trajectory& t, const ArrivalObservation& a, const SharedState& state) {
   const bool plain = state.has_plain_paths() && !a.two_way && !t.has_cycle_offset;
   if (plain && a.alpha != 0.0 && t.motion == Motion::kPlanar) {
@@ -324,12 +337,20 @@ double arrival_residual(const Trajectory& t, const ArrivalObservation& a, const 
   }
   const Pose T = pose_at(t, a.node, a.alpha);
   if (!plain) return (a.tof_s - predict_arrival_value(path_at(t, a, state, T)).tof_s) / a.sigma_s;
-  // What most arrivals are, of which long logs have many: the first term of the measurement equation.
-  const double distance_m =
-      (T * state.receiver_p_vehicle_m[a.receiver.index()] - state.beacon_p_map_m[a.beacon.index()]).norm();
-  const double tof_s =
-      distance_m / (a.model_speed_mps + state.speed_offset(t.run)) + state.delay_s(a.beacon, a.receiver);
-  return (a.tof_s - tof_s) / a.sigma_s;
+  return plain_residual(a, T * state.receiver_p_vehicle_m[a.receiver.index()], state,
+                        state.speed_offset(t.run));
+}
+
+double ArrivalResiduals::operator()(const ArrivalObservation& a) {
+  if (!is_plain_ || a.two_way || a.alpha != 0.0) return arrival_residual(*t_, a, *state_);
+  if (a.node != node_) {
+    node_ = a.node;
+    const Pose& T = t_->nodes[node_].T_map_vehicle;
+    R_map_vehicle_ = T.rotation.toRotationMatrix();
+    p_map_m_ = T.translation_m;
+  }
+  const Eigen::Vector3d& p_vehicle_m = state_->receiver_p_vehicle_m[a.receiver.index()];
+  return plain_residual(a, R_map_vehicle_ * p_vehicle_m + p_map_m_, *state_, speed_offset_mps_);
 }
 
 }  // namespace octant

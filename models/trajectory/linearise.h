@@ -64,6 +64,27 @@ class InstantPose {
   Eigen::Matrix3d by_a_, by_b_;  ///< Jr^-1(-phi), Jr^-1(phi): d phi = by_b db - by_a da
 };
 
+/// arrival_residual() of many arrivals, of which those of a state come one after the other and share its
+/// rotation. Neither nodes nor the state may move meanwhile.
+class ArrivalResiduals {
+ public:
+  ArrivalResiduals(const Trajectory& trajectory, const SharedState& state)
+      : t_(&trajectory),
+        state_(&state),
+        is_plain_(state.has_plain_paths() && !trajectory.has_cycle_offset),
+        speed_offset_mps_(state.speed_offset(trajectory.run)) {}
+  [[nodiscard]] double operator()(const ArrivalObservation& arrival);
+
+ private:
+  const Trajectory* t_;
+  const SharedState* state_;
+  bool is_plain_;
+  double speed_offset_mps_;
+  std::size_t node_ = SIZE_MAX;
+  Eigen::Matrix3d R_map_vehicle_;
+  Eigen::Vector3d p_map_m_;
+};
+
 /// Rows of one observation each; a kind that gives several rows fills several.
 /// rows must have room for 2 (arrival), 1 (bearing), 6 (pose), 6 (odometry), 6 (motion); returns how many
 /// were filled.

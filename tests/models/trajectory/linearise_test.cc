@@ -124,6 +124,27 @@ RC_GTEST_PROP(ArrivalRows, BySharedNumbersAgreeWithNumericOnes, ()) {
   }
 }
 
+// At one state, at another, between them, and with all that a path may hang on.
+RC_GTEST_PROP(ArrivalResiduals, AreThoseOfEachArrivalByItself, ()) {
+  Random draws = any_draws();
+  for (const Motion motion : {Motion::kPlanar, Motion::kSpatial})
+    for (const bool cycle_offset : {false, true})
+      for (const bool two_way : {false, true})
+        for (const bool directional : {false, true}) {
+          OneArrival world(motion, cycle_offset, two_way, directional, draws);
+          if (!directional) world.state.attenuation.reset();
+          ArrivalResiduals residual_of(world.t, world.state);
+          ArrivalObservation a = world.t.arrivals[0];
+          for (const std::size_t node : {0, 0, 1, 0})
+            for (const double alpha : {0.0, 0.4}) {
+              a.node = alpha > 0.0 ? 0 : node;
+              a.alpha = alpha;
+              const double residual = arrival_residual(world.t, a, world.state);
+              RC_ASSERT(std::abs(residual_of(a) - residual) < 1e-9 * (1 + std::abs(residual)));
+            }
+        }
+}
+
 TEST(ArrivalRows, AnAmplitudeThatWasNotLoggedIsNoRow) {
   Random draws(1);
   OneArrival one(Motion::kPlanar, false, false, false, draws);
