@@ -73,6 +73,7 @@ class StretchReducer {
     // A direction that nothing observes (heading of a lone antenna) is held: it couples to nothing. Within a
     // chain odometry observes all, and a floor there would act as a measured pose at every state.
     window.finish(stretch.has_right, stretch.has_right ? 0.0 : kUnobservedFloor);
+    window_ = nullptr;
     for (const int column : out.columns) memory_.of_system[static_cast<std::size_t>(column)] = -1;
     for (const std::size_t path : memory_.met) memory_.paths[path].count = -1;
     memory_.met.clear();

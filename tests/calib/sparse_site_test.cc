@@ -171,6 +171,18 @@ void expect_same_streamed(const World& world) {
   for (const calib::Solution& answer : answers) expect_same(dense, answer, 1e-8);
 }
 
+// What is said to be the least that streaming takes holds the sums; a drive ties all beacons.
+TEST(SparseSite, SumsAreReckonedWith) {
+  const MeasurementLog run;
+  const auto least = [&](const Scenario& scenario, std::size_t odometry_rows) {
+    return calib::least_memory_streamed(scenario.site, {&run}, 1000, odometry_rows);
+  };
+  const Scenario small = wide_hall(4, 4, 1), wide = wide_hall(20, 20, 1);
+  const std::size_t parameters = 20 * 20 * 4;
+  EXPECT_GT(least(wide, 0), least(small, 0) + sizeof(double) * parameters * calib::kDenseLimit);
+  EXPECT_GT(least(wide, 10), least(small, 10) + sizeof(double) * parameters * parameters);
+}
+
 TEST(SparseSite, IsReadInChunksAsADenseOne) {
   expect_same_streamed(must(simulate(wide_hall(9, 8, 3000), 15)));
 }

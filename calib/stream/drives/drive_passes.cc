@@ -288,7 +288,7 @@ Result<PassSum> DrivePasses::pass(const Estimate& estimate, RejectionPolicy poli
   PassSum sum;
   SystemPart all = empty_part(all_columns(estimate.layout.size()));
   for (const EndChain& chain : tried_.chains) chain.add_to(all.system);
-  sum.system.add(std::move(all));
+  sum.system.add(all);
   for (const PassCounts& c : counts) sum.counts.add(c);
   sum_over(task_.options.ranks, sum.counts);
   for (const DriveChain& chain : index_.chains()) sum.counts.of_log.rejected += chain.stateless_count;
