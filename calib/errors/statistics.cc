@@ -139,6 +139,7 @@ ObservationCounts count_observations(const Trajectory& t, const SharedState& sta
                  [&](std::size_t chunk, std::size_t first, std::size_t last) {
                    ObservationCounts& part = parts[chunk];
                    std::size_t amplitudes = 0;
+                   ArrivalResiduals residual_of(t, state);
                    for (std::size_t i = first; i < last; ++i) {
                      const ArrivalObservation& a = t.arrivals[i];
                      if (a.rejection != Rejection::kUsed) {
@@ -147,7 +148,7 @@ ObservationCounts count_observations(const Trajectory& t, const SharedState& sta
                      }
                      ++part.used;
                      amplitudes += a.log_amplitude_sigma > 0 && state.attenuation ? 1 : 0;
-                     if (residuals) part.squares_s2 += std::pow(a.sigma_s * arrival_residual(t, a, state), 2);
+                     if (residuals) part.squares_s2 += std::pow(a.sigma_s * residual_of(a), 2);
                    }
                    part.observations = static_cast<double>(part.used + amplitudes);
                  });
