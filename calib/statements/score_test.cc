@@ -57,23 +57,29 @@ void ScoreTest::add(const ScoreTest& other) {
 
 Eigen::MatrixXd ScoreTest::information(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
                                        const Covariance& covariance, double share) const {
-  Eigen::MatrixXd information = a.transpose() * squares_ * b;
-  if (by_parameters_.rows() == 0) return information;
+  return a.transpose() * squares_ * b - taken_up(a, b, covariance) / share;
+}
+
+Eigen::MatrixXd ScoreTest::taken_up(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
+                                    const Covariance& covariance) const {
+  Eigen::MatrixXd taken = Eigen::MatrixXd::Zero(a.cols(), b.cols());
+  if (by_parameters_.rows() == 0) return taken;
   const Eigen::MatrixXd by = by_parameters_ * b;
   for (Eigen::Index j = 0; j < by.cols(); ++j)
-    information.col(j) -= a.transpose() * (by_parameters_.transpose() * covariance.times(by.col(j))) / share;
-  return information;
+    taken.col(j) = a.transpose() * (by_parameters_.transpose() * covariance.times(by.col(j)));
+  return taken;
 }
 
 ScoreTest::Finding ScoreTest::of(const Eigen::MatrixXd& sums, const AdjustedParameters& parameters) const {
   constexpr double kLeastLeft = 0.02;
   Finding found{Eigen::VectorXd::Zero(sums.cols())};
-  const Eigen::VectorXd whole = (sums.transpose() * squares_ * sums).diagonal();
-  const Eigen::MatrixXd left = information(sums, sums, parameters.covariance, parameters.share);
-  if (!(left.diagonal().array() > kLeastLeft * whole.array()).all()) return found;
+  const Eigen::MatrixXd whole = sums.transpose() * squares_ * sums,
+                        taken = taken_up(sums, sums, parameters.covariance),
+                        left = whole - taken / parameters.share;
+  if (!(left.diagonal().array() > kLeastLeft * whole.diagonal().array()).all()) return found;
   const Eigen::VectorXd gradient = sums.transpose() * gradient_;
   found.size = Eigen::LDLT<Eigen::MatrixXd>(left).solve(gradient);
-  const Eigen::LDLT<Eigen::MatrixXd> variance(information(sums, sums, parameters.covariance));
+  const Eigen::LDLT<Eigen::MatrixXd> variance(whole - taken);
   const double root = std::sqrt(std::max(0.0, gradient.dot(variance.solve(gradient))));
   found.sigmas = sums.cols() == 1 ? std::copysign(root, found.size[0]) : root;
   return found;

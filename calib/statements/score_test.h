@@ -56,6 +56,10 @@ class ScoreTest {
                                             const Covariance& covariance, double share = 1.0) const;
 
  private:
+  /// (J'C)' Q (J'C), of sums `a` with sums `b`.
+  [[nodiscard]] Eigen::MatrixXd taken_up(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
+                                         const Covariance& covariance) const;
+
   Eigen::VectorXd gradient_;
   Eigen::MatrixXd squares_;                                                               ///< C'C
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> by_parameters_;  ///< J'C
