@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A headless Chromium for tests, with what it logged and what it asked the network for."""
 import base64
+import functools
 import json
 import os
 import shutil
@@ -14,6 +15,7 @@ import zlib
 import numpy
 
 SKIPPED = 77  # as ctest is told
+PATIENCE_S = 120  # what a busy machine may take for what a quiet one does at once: no figure of a test
 
 
 def skip_unless_possible():
@@ -63,8 +65,47 @@ def pixels(png):
     return image.reshape(height, width, channels)[:, :, :3].mean(axis=2)
 
 
+def browser_failures():
+    """What is thrown where the browser or its driver gave up."""
+    from selenium.common.exceptions import WebDriverException
+    from urllib3.exceptions import HTTPError
+    return WebDriverException, HTTPError
+
+
+def again_if_the_browser_fails(tests):
+    """A class of tests, each of which runs once more, in a new browser, where the browser or its driver gave up (a crash of a tab,
+    a start that took too long, as a busy machine has them now and then). What a test finds wrong with a page is final."""
+    def patient(test):
+        @functools.wraps(test)
+        def run(self):
+            try:
+                test(self)
+            except browser_failures() as failure:
+                print(f"{test.__name__}: the browser failed, once more in a new one: {str(failure).splitlines()[:1]}", file=sys.stderr)
+                type(self).browser.close()
+                type(self).browser = Browser()
+                test(self)
+        return run
+
+    for name in [name for name in vars(tests) if name.startswith("test_")]:
+        setattr(tests, name, patient(getattr(tests, name)))
+    return tests
+
+
 class Browser:
+    STARTS = 3
+
     def __init__(self):
+        for attempt in range(1, self.STARTS + 1):
+            try:
+                return self._start()
+            except browser_failures() as failure:
+                shutil.rmtree(self.profile, ignore_errors=True)
+                if attempt == self.STARTS:
+                    raise
+                print(f"the browser did not start, once more: {str(failure).splitlines()[:1]}", file=sys.stderr)
+
+    def _start(self):
         from selenium import webdriver
         from selenium.webdriver.chrome.options import Options
         from selenium.webdriver.chrome.service import Service
@@ -89,10 +130,13 @@ class Browser:
             options.add_argument(word)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
         self.driver = webdriver.Chrome(service=LocalService(shutil.which("chromedriver")), options=options)
-        self.driver.set_script_timeout(30)
+        self.driver.set_script_timeout(PATIENCE_S)
 
     def close(self):
-        self.driver.quit()
+        try:
+            self.driver.quit()
+        except Exception as gone:  # whatever a driver that is dead lets through
+            print(f"the browser's driver is gone: {gone}", file=sys.stderr)
         shutil.rmtree(self.profile, ignore_errors=True)
 
     def cdp(self, name, **words):
@@ -121,7 +165,7 @@ class Browser:
                 asked.append(message["params"].get("request", message["params"])["url"])
         return [url for url in asked if url.split("#")[0] != self.url and not url.startswith("data:")]
 
-    def wait(self, script, seconds=20):
+    def wait(self, script, seconds=PATIENCE_S):
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             if self.run("return " + script):
@@ -135,3 +179,12 @@ class Browser:
                        "return [r.left + scrollX, r.top + scrollY, r.width, r.height]", selector)
         clip = dict(zip(("x", "y", "width", "height"), box), scale=scale)
         return base64.b64decode(self.cdp("Page.captureScreenshot", clip=clip, captureBeyondViewport=True)["data"])
+
+    def paints(self, selector, before):
+        """Whether an element's picture becomes another one than before."""
+        end = time.monotonic() + PATIENCE_S
+        while time.monotonic() < end:
+            if self.picture(selector) != before:
+                return True
+            time.sleep(0.5)
+        return False

@@ -7,11 +7,10 @@ import os
 import shutil
 import subprocess
 import sys
-import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from browser import Browser, pixels, skip_unless_possible  # noqa: E402
+from browser import Browser, again_if_the_browser_fails, pixels, skip_unless_possible  # noqa: E402
 from pages import HOSTILE, Pages  # noqa: E402
 
 OCTANT = ""
@@ -135,11 +134,7 @@ class Reports(unittest.TestCase):
             before = b.picture("#figure-plan svg")
             b.driver.find_element("id", "choice-figure-plan-1").click()
             self.assertEqual(b.run(displays), ["none", "block", "none", "none"])
-            for _ in range(20):  # until it is painted
-                if b.picture("#figure-plan svg") != before:
-                    break
-                time.sleep(0.5)
-            self.assertNotEqual(before, b.picture("#figure-plan svg"))
+            self.assertTrue(b.paints("#figure-plan svg", before), page)
             self.assertEqual(b.run("return getComputedStyle(document.querySelector('.controls') || document.createElement('p')).display") in ("none", ""), True)
             self.assert_quiet()
         self.assertLess(os.path.getsize(self.at("still.html")), 500_000)
@@ -243,7 +238,7 @@ class Reports(unittest.TestCase):
             # At once, and it stays there: no drawing passed on the way, none that comes later moves it.
             b.run("document.querySelector('#caption-beacon-table a.words-link').click()")
             top = "Math.abs(document.getElementById('words').getBoundingClientRect().top)"
-            self.assertTrue(b.wait(f"{top} < 2", 3))
+            self.assertTrue(b.wait(f"{top} < 2"))
             b.wait(f"{top} > 2", 2)
             self.assertLess(b.run(f"return {top}"), 2)
             table = b.run("const r = document.getElementById('words-table').getBoundingClientRect(); return [r.left, r.right]")
@@ -372,4 +367,5 @@ class Reports(unittest.TestCase):
 if __name__ == "__main__":
     skip_unless_possible()
     OCTANT = os.path.abspath(sys.argv.pop(1))
+    again_if_the_browser_fails(Reports)
     unittest.main(verbosity=2)
