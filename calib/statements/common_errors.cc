@@ -92,7 +92,7 @@ class Patterns {
   bool operator()(const Trajectory& t, const ObservationRow& row, Eigen::RowVectorXd& by) {
     if (row.kind == RowKind::kPose) return of_pose(t, row, by);
     if (row.kind == RowKind::kOdometry && is_led_by_odometry(t)) {
-      of_step(t.odometry[row.index], by);
+      of_step(t.odometry[row.index], row.residual, by);
       return true;
     }
     if (row.kind != RowKind::kTof || !(times_.span_s.second > times_.span_s.first)) return false;
@@ -130,13 +130,15 @@ class Patterns {
     return true;
   }
 
-  /// Rows of a step come one after the other: x, y, heading.
-  void of_step(const OdometryObservation& o, Eigen::RowVectorXd& by) {
+  /// Rows of a step come one after the other: x, y, heading. Factors are of the step as it was found: what
+  /// was measured holds its own noise, which agrees with itself (errors in variables), and of a straight
+  /// drive most of the turns are noise.
+  void of_step(const OdometryObservation& o, double residual, Eigen::RowVectorXd& by) {
     const int component = odometry_rows_++ % 3;
     if (component < 2) {
-      by[0] = o.T_before_after.translation_m[component] / o.distance_sigma_m;
+      by[0] = o.T_before_after.translation_m[component] / o.distance_sigma_m - residual;
     } else {
-      by[1] = o.T_before_after.heading_rad() / o.heading_sigma_rad;
+      by[1] = o.T_before_after.heading_rad() / o.heading_sigma_rad - residual;
     }
   }
 

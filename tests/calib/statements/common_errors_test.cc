@@ -69,6 +69,17 @@ TEST(CommonErrors, OdometryThatTurnsTooFarIsContradicted) {
   EXPECT_THAT(solution.contradictions[0].found, HasSubstr("% too large"));
 }
 
+// Of a drive straight on, most of the turns that odometry measured are its noise, which agrees with itself: a
+// truthful drive was Contradicted, its turns 64 % too large.
+TEST(CommonErrors, NoiseOfOdometryIsNoError) {
+  Scenario s = drive_scenario(60.0);
+  s.path.waypoints_m = {{2.0, 6.0}, {18.0, 6.5}};
+  s.odometry_accuracy.heading_sigma_rad_per_sqrt_m = 0.04;
+  for (std::uint64_t seed = 1; seed <= 4; ++seed)
+    for (const calib::CommonError& e : solution_of(must(simulate(s, seed))).common_errors)
+      EXPECT_FALSE(calib::is_of_odometry(e)) << seed << ": " << e.size << ", " << e.sigmas << " sigma";
+}
+
 // All recordings of one vehicle have its odometry's scale.
 TEST(CommonErrors, OdometryOfTwoRunsHasOneError) {
   Scenario s = drive_scenario(40.0);
