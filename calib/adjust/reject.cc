@@ -21,6 +21,20 @@ constexpr double kTruncation = 2.5;
 constexpr double kTruncatedVariance = 0.91125;
 constexpr double kReadmit = 0.9;
 
+/// Whether half of what stops hear, or more, goes into their poses: these leave residuals that say little of
+/// the noise, and where two arrivals tell a place none at all.
+bool are_stops_saturated(const std::vector<Trajectory>& trajectories) {
+  std::size_t arrivals = 0, unknowns = 0;
+  for (const Trajectory& t : trajectories) {
+    if (t.moving) return false;  // odometry and motion tell the states too
+    for (const ArrivalObservation& a : t.arrivals)
+      arrivals += is_by_residual(a.rejection) && t.nodes[a.node].placed;
+    const auto placed = static_cast<std::size_t>(std::ranges::count_if(t.nodes, &Node::placed));
+    unknowns += placed * static_cast<std::size_t>(t.block_size());
+  }
+  return arrivals < 2 * unknowns;
+}
+
 }  // namespace
 
 double agreeing_sigma(const std::vector<Trajectory>& trajectories, const SharedState& state) {
@@ -30,7 +44,8 @@ double agreeing_sigma(const std::vector<Trajectory>& trajectories, const SharedS
     if (is_by_residual(a.rejection) && t.nodes[a.node].placed)
       magnitude.push_back(std::abs(arrival_residual(t, a, state)));
   });
-  return agreeing_sigma(std::move(magnitude));
+  const double sigma = agreeing_sigma(std::move(magnitude));
+  return sigma < 1.0 && are_stops_saturated(trajectories) ? 1.0 : sigma;
 }
 
 double agreeing_sigma(std::vector<double> magnitude) {
