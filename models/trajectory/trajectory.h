@@ -46,8 +46,8 @@ struct ArrivalObservation {
   double log_amplitude = 0.0;  ///< ln(A / 1 V); used when log_amplitude_sigma > 0
   double log_amplitude_sigma = 0.0;
   bool two_way = false;
-  std::int32_t hear_send = -1;  ///< two-way ranging: index into Trajectory::T_hear_send
-  Rejection rejection = Rejection::kUsed;
+  Rejection rejection = Rejection::kUsed;  // beside the other byte: logs have millions of these
+  std::int32_t hear_send = -1;             ///< two-way ranging: index into Trajectory::T_hear_send
   [[nodiscard]] double legs() const { return legs_of(two_way); }
 };
 
