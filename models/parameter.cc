@@ -27,6 +27,7 @@ constexpr std::array<TopicRow, kParameterTopics> kTopicRows = {{
     {"loudness of beacons", "log amplitudes of these beacons from near and from far"},
     {"drift of the vehicle's clock", "fire each beacon again at the end of the cycle"},
 }};
+static_assert(std::ranges::none_of(kTopicRows, [](const TopicRow& row) { return row.words == nullptr; }));
 
 /// Empty: the number is nobody's own.
 std::string owner_path(const ParameterId& id, const NameTable& names) {

@@ -50,31 +50,53 @@ inline constexpr std::size_t kParameterTopics = 8;
 
 enum class ParameterOwner : std::uint8_t { kNone, kBeacon, kReceiver, kVehicle, kRun, kPair };
 
-/// A kind of parameter: where its name begins, whose it is, what settles it, its components' symbols (with
-/// their units).
+/// What a parameter's unit inside the adjustment is worth in metres, where parameters are held against each
+/// other.
+enum class ParameterWorth : std::uint8_t {
+  kMetre,  ///< one
+  kRange,  ///< a typical range: it is a share of the ranges
+  kOpen    ///< a share of amplitudes, whose metres are left open; of an attenuation but its rise time
+};
+
+/// A kind of parameter: where its name begins, whose it is, what settles it, what it is worth, its
+/// components' symbols (with their units).
 struct ParameterRow {
   const char* prefix;
   ParameterOwner owner;
   ParameterTopic topic;
+  ParameterWorth worth;
   std::array<const char*, 4> symbols;
 };
 
 /// In the order of ParameterKind.
 inline constexpr std::array<ParameterRow, kParameterKinds> kParameterRows = {{
-    {"beacon", ParameterOwner::kBeacon, ParameterTopic::kPlace, {"x_m", "y_m", "z_m"}},
-    {"beacon", ParameterOwner::kBeacon, ParameterTopic::kDelay, {"delay_s"}},
-    {"beacon", ParameterOwner::kBeacon, ParameterTopic::kGain, {"log_gain"}},
-    {"receiver", ParameterOwner::kReceiver, ParameterTopic::kReceiver, {"x_m", "y_m", "z_m"}},
-    {"receiver", ParameterOwner::kReceiver, ParameterTopic::kDelay, {"delay_s"}},
-    {"array", ParameterOwner::kVehicle, ParameterTopic::kReceiver, {"radius_m", "turn_rad"}},
-    {"site", ParameterOwner::kNone, ParameterTopic::kDelay, {"delay_s"}},
-    {"medium", ParameterOwner::kRun, ParameterTopic::kSpeed, {"speed_mps"}},
+    {"beacon",
+     ParameterOwner::kBeacon,
+     ParameterTopic::kPlace,
+     ParameterWorth::kMetre,
+     {"x_m", "y_m", "z_m"}},
+    {"beacon", ParameterOwner::kBeacon, ParameterTopic::kDelay, ParameterWorth::kMetre, {"delay_s"}},
+    {"beacon", ParameterOwner::kBeacon, ParameterTopic::kGain, ParameterWorth::kOpen, {"log_gain"}},
+    {"receiver",
+     ParameterOwner::kReceiver,
+     ParameterTopic::kReceiver,
+     ParameterWorth::kMetre,
+     {"x_m", "y_m", "z_m"}},
+    {"receiver", ParameterOwner::kReceiver, ParameterTopic::kDelay, ParameterWorth::kMetre, {"delay_s"}},
+    {"array",
+     ParameterOwner::kVehicle,
+     ParameterTopic::kReceiver,
+     ParameterWorth::kMetre,
+     {"radius_m", "turn_rad"}},
+    {"site", ParameterOwner::kNone, ParameterTopic::kDelay, ParameterWorth::kMetre, {"delay_s"}},
+    {"medium", ParameterOwner::kRun, ParameterTopic::kSpeed, ParameterWorth::kRange, {"speed_mps"}},
     {"attenuation",
      ParameterOwner::kNone,
      ParameterTopic::kAttenuation,
+     ParameterWorth::kOpen,
      {"amplitude_1m_v", "absorption_np_per_m", "rise_time_s", "half_power_angle_rad"}},
-    {"vehicle", ParameterOwner::kVehicle, ParameterTopic::kDrift, {"clock_drift"}},
-    {"pair", ParameterOwner::kPair, ParameterTopic::kDelay, {"bias_s"}},
+    {"vehicle", ParameterOwner::kVehicle, ParameterTopic::kDrift, ParameterWorth::kMetre, {"clock_drift"}},
+    {"pair", ParameterOwner::kPair, ParameterTopic::kDelay, ParameterWorth::kMetre, {"bias_s"}},
 }};
 [[nodiscard]] constexpr const ParameterRow& row_of(ParameterKind kind) {
   return kParameterRows[static_cast<std::size_t>(kind)];
@@ -121,9 +143,24 @@ template <class Index>
 
 }  // namespace parameters
 
+/// A visitor that has nothing of any kind: one that has some of them alone derives from it.
+template <class Answer>
+struct HasNothing {
+  static Answer beacon_position(std::size_t /*beacon*/, std::size_t /*axis*/) { return Answer(); }
+  static Answer beacon_delay(std::size_t /*beacon*/) { return Answer(); }
+  static Answer beacon_gain(std::size_t /*beacon*/) { return Answer(); }
+  static Answer receiver_position(std::size_t /*receiver*/, std::size_t /*axis*/) { return Answer(); }
+  static Answer receiver_delay(std::size_t /*receiver*/) { return Answer(); }
+  static Answer array(std::size_t /*vehicle*/, std::size_t /*component*/) { return Answer(); }
+  static Answer site_delay() { return Answer(); }
+  static Answer speed(std::size_t /*run*/) { return Answer(); }
+  static Answer attenuation(std::size_t /*unknown*/) { return Answer(); }
+  static Answer clock_drift(std::size_t /*vehicle*/) { return Answer(); }
+  static Answer pair_bias(std::size_t /*beacon*/, std::size_t /*receiver*/) { return Answer(); }
+};
+
 /// The one switch over the kinds of parameters for whoever holds them (a state, a site, a deployment): calls
-/// the visitor's function of that name. A visitor has a function for each kind, also for those that it does
-/// not hold, so that a new kind does not compile before each visitor has answered for it.
+/// the visitor's function of that name.
 template <class Visitor>
 auto visit_parameter(const ParameterId& id, Visitor&& holder) {
   const std::size_t owner = id.owner, component = id.component;

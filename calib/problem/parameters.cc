@@ -115,7 +115,7 @@ Eigen::VectorXd ParameterLayout::vector_of(const SharedState& state) const {
   SharedState copy = state;
   if (copy.speed_offset_mps.size() < speed.size())
     copy.speed_offset_mps.resize(speed.size(), copy.speed_offset_mps[0]);
-  Eigen::VectorXd x(size());
+  Eigen::VectorXd x = Eigen::VectorXd::Constant(size(), NAN);  // what the state has not is seen
   for (int i = 0; i < size(); ++i) {
     const Parameter& p = parameter(i);
     if (const double* value = value_in(copy, p.id)) x[i] = *value / p.si_per_unit;

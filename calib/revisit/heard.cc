@@ -168,10 +168,7 @@ std::vector<Heard> heard_of_beacons(const Deployment& before, const std::vector<
   return heard_of_each(
       before.beacons.size(), trajectories, now, [&](std::size_t b) { return before.beacons[b].name; },
       [&](std::size_t b, SharedState& state) {
-        if (before.beacons[b].status == BeaconStatus::kUndetermined) return;
-        state.beacon_p_map_m[b] = then.beacon_p_map_m[b];
-        state.beacon_delay_s[b] = then.beacon_delay_s[b];
-        if (!then.beacon_log_gain.empty()) state.beacon_log_gain[b] = then.beacon_log_gain[b];
+        if (before.beacons[b].status != BeaconStatus::kUndetermined) set_beacon(state, b, then);
       },
       [](const ArrivalObservation& a) { return a.beacon.index(); });
 }

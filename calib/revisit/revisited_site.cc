@@ -14,7 +14,7 @@ namespace {
 
 /// What is known of a parameter becomes the site's prior. Visitor: see visit_parameter. What an array's shape
 /// and the site's delay are stands on receivers and beacons, and biases of pairs are forgotten.
-struct PriorOfSite {
+struct PriorOfSite : HasNothing<void> {
   Site& site;
   const Deployment& d;
   Prior prior;
@@ -43,13 +43,10 @@ struct PriorOfSite {
     site.timing.drift_sigma =
         std::max({site.timing.drift_sigma, std::abs(prior.value - d.timing.drift), prior.sigma});
   }
-  static void array(std::size_t, std::size_t) {}
-  static void site_delay() {}
-  static void pair_bias(std::size_t, std::size_t) {}
 };
 
-/// Room for a change of each kind. Visitor: see visit_parameter.
-struct RoomOf {
+/// Room for a change of each kind; no visit searches for one of the others. Visitor: see visit_parameter.
+struct RoomOf : HasNothing<double> {
   const RoomForChange& room;
   explicit RoomOf(const RoomForChange& of) : room(of) {}
   [[nodiscard]] double beacon_position(std::size_t, std::size_t) const { return room.beacon_m; }
@@ -57,13 +54,6 @@ struct RoomOf {
   [[nodiscard]] double beacon_gain(std::size_t) const { return room.log_gain; }
   [[nodiscard]] double receiver_position(std::size_t, std::size_t) const { return room.receiver_m; }
   [[nodiscard]] double speed(std::size_t) const { return room.speed_mps; }
-  // No visit searches for a change of these.
-  static double receiver_delay(std::size_t) { return 0.0; }
-  static double array(std::size_t, std::size_t) { return 0.0; }
-  static double site_delay() { return 0.0; }
-  static double attenuation(std::size_t) { return 0.0; }
-  static double clock_drift(std::size_t) { return 0.0; }
-  static double pair_bias(std::size_t, std::size_t) { return 0.0; }
 };
 
 }  // namespace

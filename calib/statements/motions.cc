@@ -121,11 +121,7 @@ Fit split_fit(const SolveOptions& options, const Fit& fit, std::size_t b, double
   split.problem.site.beacons.push_back(later);
   split.beacon_usable.push_back(true);
   SharedState state = fit.state();
-  state.beacon_p_map_m.push_back(state.beacon_p_map_m[b]);
-  state.beacon_delay_s.push_back(state.beacon_delay_s[b]);
-  if (!state.pair_bias_s.empty())
-    for (std::size_t r = 0; r < state.receiver_delay_s.size(); ++r)
-      state.pair_bias_s.push_back(state.pair_bias_s[b * state.receiver_delay_s.size() + r]);
+  add_copy_of_beacon(state, b);
   const BeaconId after(split.problem.site.beacons.size() - 1);
   for (Trajectory& t : split.trajectories)
     for (ArrivalObservation& a : t.arrivals)

@@ -24,6 +24,11 @@ constexpr std::size_t kSegmentsMoved = 2000;
 constexpr std::array<ParameterTopic, kParameterTopics> kReportOrder = {
     ParameterTopic::kHeight,   ParameterTopic::kPlace,       ParameterTopic::kDelay, ParameterTopic::kSpeed,
     ParameterTopic::kReceiver, ParameterTopic::kAttenuation, ParameterTopic::kGain,  ParameterTopic::kDrift};
+static_assert(std::ranges::is_permutation(kReportOrder, []() {
+  std::array<ParameterTopic, kParameterTopics> all = {};
+  for (std::size_t i = 0; i < kParameterTopics; ++i) all[i] = static_cast<ParameterTopic>(i);
+  return all;
+}()));
 constexpr ParameterId kRiseTime = parameters::attenuation(2);
 
 /// Puts a unit combination (in metres) into words.
@@ -98,14 +103,12 @@ std::vector<WeakDirection> weak_directions(const ParameterLayout& layout, const 
                                            const std::vector<Trajectory>& trajectories,
                                            const WeakDirectionOptions& options) {
   std::vector<WeakDirection> reported;
-  // Metres: the speed over the typical range; what a share of the amplitude or of the absorption means in
-  // metres is left open.
   Eigen::VectorXd metres = Eigen::VectorXd::Ones(layout.size());
   for (int i = 0; i < layout.size(); ++i) {
     const ParameterId& id = layout.parameter(i).id;
-    if (id.kind == ParameterKind::kSpeed) metres[i] = options.typical_range_m;
-    const bool amplitude = id.kind == ParameterKind::kAttenuation || id.kind == ParameterKind::kBeaconGain;
-    if (amplitude && id != kRiseTime) metres[i] = 0.0;
+    const ParameterWorth worth = row_of(id.kind).worth;
+    if (worth == ParameterWorth::kRange) metres[i] = options.typical_range_m;
+    if (worth == ParameterWorth::kOpen && id != kRiseTime) metres[i] = 0.0;
   }
   for (std::size_t b = 0; b < usable.size(); ++b)  // told already
     for (const int column : layout.columns_of_beacon(b))

@@ -18,8 +18,9 @@ struct NumberPlace {
   bool is_logarithm = false;  ///< the deployment holds its exponential
 };
 
-/// Visitor: see visit_parameter.
-struct InDeployment {
+/// Visitor: see visit_parameter. An array stands on its receivers, the site's delay on the beacons, a pair's
+/// bias is no localizer's.
+struct InDeployment : HasNothing<NumberPlace> {
   Deployment& d;
   explicit InDeployment(Deployment& of) : d(of) {}
   [[nodiscard]] NumberPlace beacon_position(std::size_t b, std::size_t axis) const {
@@ -43,10 +44,6 @@ struct InDeployment {
   [[nodiscard]] NumberPlace clock_drift(std::size_t v) const {
     return {&d.vehicles[v].clock_drift, &d.vehicles[v].clock_drift_sigma};
   }
-  // An array stands on its receivers, the site's delay on the beacons, a pair's bias is no localizer's.
-  static NumberPlace array(std::size_t, std::size_t) { return {}; }
-  static NumberPlace site_delay() { return {}; }
-  static NumberPlace pair_bias(std::size_t, std::size_t) { return {}; }
 };
 
 }  // namespace

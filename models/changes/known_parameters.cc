@@ -104,8 +104,9 @@ KnownParameters known_parameters(const Deployment& d) {
 
 namespace {
 
-/// Sigma of what a number drifts from visit to visit. Visitor: see visit_parameter.
-struct DriftOf {
+/// Sigma of what a number drifts from visit to visit. Visitor: see visit_parameter; of what no deployment has
+/// (deployment_number.cc) nothing is known beforehand.
+struct DriftOf : HasNothing<double> {
   const Drift& drift;
   double value;
   DriftOf(const Drift& by, double now) : drift(by), value(now) {}
@@ -120,10 +121,6 @@ struct DriftOf {
     return unknown == 3 ? kHalfPowerAngle_rad : drift.attenuation * std::max(1e-9, std::abs(value));
   }
   [[nodiscard]] static double clock_drift(std::size_t) { return 1.0e-6; }
-  // None of these is known beforehand (deployment_number.cc).
-  static double array(std::size_t, std::size_t) { return 0.0; }
-  static double site_delay() { return 0.0; }
-  static double pair_bias(std::size_t, std::size_t) { return 0.0; }
 };
 
 }  // namespace

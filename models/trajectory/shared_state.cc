@@ -3,9 +3,16 @@
 #include "models/trajectory/shared_state.h"
 
 #include <cmath>
+#include <tuple>
 
 namespace octant {
 namespace {
+
+/// All that a state has a number of for each beacon; empty: none of that kind.
+template <class State>
+auto lists_of_beacons(State& state) {
+  return std::tie(state.beacon_p_map_m, state.beacon_delay_s, state.beacon_log_gain);
+}
 
 /// Of a site or of a deployment.
 template <class Receivers>
@@ -17,8 +24,8 @@ std::vector<Eigen::Vector3d> axes_of(const Receivers& receivers,
   return axes;
 }
 
-/// Visitor: see visit_parameter.
-struct InState {
+/// Visitor: see visit_parameter. An array stands on its receivers.
+struct InState : HasNothing<double*> {
   SharedState& state;
   explicit InState(SharedState& of) : state(of) {}
   [[nodiscard]] static double* at(std::vector<double>& all, std::size_t i) {
@@ -33,7 +40,6 @@ struct InState {
     return &state.receiver_p_vehicle_m[r][static_cast<Eigen::Index>(axis)];
   }
   [[nodiscard]] double* receiver_delay(std::size_t r) const { return at(state.receiver_delay_s, r); }
-  static double* array(std::size_t, std::size_t) { return nullptr; }  // it stands on the receivers
   [[nodiscard]] double* site_delay() const { return &state.site_delay_s; }
   [[nodiscard]] double* speed(std::size_t run) const {
     return &state.speed_offset_mps[run > 0 ? run - 1 : 0];
@@ -153,6 +159,32 @@ std::vector<SharedPrior> shared_priors(const Site& site, std::size_t runs) {
 }
 
 double* value_in(SharedState& state, const ParameterId& id) { return visit_parameter(id, InState(state)); }
+
+void add_copy_of_beacon(SharedState& state, std::size_t beacon) {
+  const auto add = [&](auto& list) {
+    if (list.empty()) return;
+    const auto copy = list[beacon];
+    list.push_back(copy);
+  };
+  std::apply([&](auto&... lists) { (add(lists), ...); }, lists_of_beacons(state));
+  if (state.pair_bias_s.empty()) return;
+  const std::size_t receivers = state.receiver_delay_s.size();
+  for (std::size_t r = 0; r < receivers; ++r) {
+    const double bias_s = state.pair_bias_s[beacon * receivers + r];
+    state.pair_bias_s.push_back(bias_s);
+  }
+}
+
+void set_beacon(SharedState& state, std::size_t beacon, const SharedState& from) {
+  const auto set = [&](auto& list, const auto& other) {
+    if (!list.empty() && !other.empty()) list[beacon] = other[beacon];
+  };
+  std::apply(
+      [&](auto&... lists) {
+        std::apply([&](const auto&... others) { (set(lists, others), ...); }, lists_of_beacons(from));
+      },
+      lists_of_beacons(state));
+}
 
 SharedState prior_state(const Site& site) {
   SharedState state;

@@ -131,6 +131,11 @@ struct SharedPrior {
 /// of it stands on the receivers.
 [[nodiscard]] double* value_in(SharedState& state, const ParameterId& id);
 
+/// Adds a beacon that has all numbers of that one.
+void add_copy_of_beacon(SharedState& state, std::size_t beacon);
+/// Gives a beacon all numbers of its own that it has in another state.
+void set_beacon(SharedState& state, std::size_t beacon, const SharedState& from);
+
 /// Prior means of a site; unknown coordinates are zero.
 [[nodiscard]] SharedState prior_state(const Site& site);
 /// The calibrated values of a deployment (a site's one delay is carried by the beacons).

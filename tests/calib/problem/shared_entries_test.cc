@@ -79,7 +79,10 @@ TEST_P(SharedEntries, AreTheDerivativesByEveryParameterThereIs) {
     for (Eigen::Index c = 0; c < x.size(); ++c) {
       const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(x.size(), c);
       (void)arrival_rows(stop.t, i, stop.layout.state_of(x - step), before);
-      (void)arrival_rows(stop.t, i, stop.layout.state_of(x + step), after);
+      const SharedState ahead = stop.layout.state_of(x + step);
+      (void)arrival_rows(stop.t, i, ahead, after);
+      EXPECT_NEAR(arrival_residual(stop.t, stop.t.arrivals[i], ahead), after[0].residual,
+                  1e-12 * (1 + std::abs(after[0].residual)));
       for (int k = 0; k < 2; ++k) differs(k, c) = (after[k].residual - before[k].residual) / (2 * kStep);
     }
     for (Eigen::Index c = 0; c < x.size(); ++c)

@@ -167,5 +167,58 @@ TEST(SharedStateOfADeployment, IsTheTruthOfItsWorld) {
   EXPECT_EQ(state.clock_drift.size(), d.vehicles.size());
 }
 
+/// With a number of each kind that a beacon can have, each another one.
+SharedState of_all_kinds() {
+  SharedState state = rich_state();
+  for (std::size_t b = 0; b < state.beacon_delay_s.size(); ++b) {
+    state.beacon_delay_s[b] = 1e-4 + 1e-6 * static_cast<double>(b);
+    state.beacon_log_gain[b] = 0.01 * static_cast<double>(b);
+    for (std::size_t r = 0; r < state.receiver_delay_s.size(); ++r)
+      *value_in(state, parameters::pair_bias(b, r)) = 1e-7 * static_cast<double>(10 * b + r);
+  }
+  return state;
+}
+
+/// Every number that two beacons have, of two states, is the same; of pairs, where they are asked for.
+void expect_alike(SharedState& one, std::size_t b, SharedState& two, std::size_t c, bool pairs) {
+  for (std::size_t k = 0; k < kParameterKinds; ++k) {
+    const auto kind = static_cast<ParameterKind>(k);
+    const ParameterOwner owner = row_of(kind).owner;
+    const bool of_pair = owner == ParameterOwner::kPair;
+    if (owner != ParameterOwner::kBeacon && !(of_pair && pairs)) continue;
+    const std::size_t components = of_pair                                  ? one.receiver_delay_s.size()
+                                   : kind == ParameterKind::kBeaconPosition ? 3
+                                                                            : 1;
+    for (std::size_t i = 0; i < components; ++i) {
+      const double *mine = value_in(one, parameters::of(kind, b, i)),
+                   *other = value_in(two, parameters::of(kind, c, i));
+      ASSERT_TRUE(mine != nullptr && other != nullptr) << "kind " << k;
+      EXPECT_EQ(*mine, *other) << "kind " << k;
+    }
+  }
+}
+
+// What was split at its move read the gain of a beacon behind the last one.
+TEST(SharedState, ACopyOfABeaconHasAllItsNumbers) {
+  SharedState state = of_all_kinds();
+  const std::size_t before = state.beacon_p_map_m.size();
+  add_copy_of_beacon(state, 2);
+  ASSERT_EQ(state.beacon_p_map_m.size(), before + 1);
+  expect_alike(state, 2, state, before, true);
+}
+
+TEST(SharedState, ABeaconIsPutBackWithAllItsNumbers) {
+  SharedState then = of_all_kinds(), now = then;
+  now.beacon_p_map_m[3].x() += 1.0;
+  now.beacon_delay_s[3] += 1e-5;
+  now.beacon_log_gain[3] -= 0.5;
+  set_beacon(now, 3, then);
+  expect_alike(now, 3, then, 3, false);
+  then.beacon_log_gain.clear();  // a state that has no such number changes none
+  now.beacon_log_gain[3] = 0.25;
+  set_beacon(now, 3, then);
+  EXPECT_EQ(now.beacon_log_gain[3], 0.25);
+}
+
 }  // namespace
 }  // namespace octant::test
