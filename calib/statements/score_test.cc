@@ -35,6 +35,23 @@ void add_window(const Trajectory& t, const Segment& segment, const SharedState& 
                });
 }
 
+void add_segment(const Trajectory& t, const Segment& segment, const SharedState& state,
+                 const ParameterLayout& layout, Eigen::Index errors, const ErrorPatterns& patterns,
+                 int threads, ScoreTest& test) {
+  if (segment.last_node == segment.first_node || !t.nodes[segment.first_node].placed) return;
+  Eigen::RowVectorXd by(errors);
+  const ChainVariant variant{
+      .without = {},
+      .columns = errors,
+      .errors_of =
+          [&](const ObservationRow& row, Eigen::RowVectorXd& of_row) {
+            of_row.setZero(errors);
+            return patterns(t, row, of_row);
+          },
+      .visit = [&](const ChainWindow& w) { add_window(t, segment, state, layout, patterns, w, by, test); }};
+  static_cast<void>(solve_by_windows(t, segment, state, std::span(&variant, 1), threads));
+}
+
 }  // namespace
 
 ScoreTest::ScoreTest(Eigen::Index parameters, Eigen::Index errors)
@@ -85,6 +102,10 @@ ScoreTest::Finding ScoreTest::of(const Eigen::MatrixXd& sums, const AdjustedPara
   return found;
 }
 
+Eigen::VectorXd ScoreTest::shift(Eigen::Index error, const Covariance& covariance) const {
+  return -covariance.times(by_parameters_.col(error));
+}
+
 ScoreTest::Finding ScoreTest::of_error(Eigen::Index error, const AdjustedParameters& parameters) const {
   return of(Eigen::VectorXd::Unit(gradient_.size(), error), parameters);
 }
@@ -93,22 +114,16 @@ ScoreTest score_test(const std::vector<Trajectory>& trajectories, const SharedSt
                      const ParameterLayout& layout, Eigen::Index errors, const ErrorPatterns& patterns,
                      int threads) {
   ScoreTest test(layout.size(), errors);
-  Eigen::RowVectorXd by(errors);
   for (const Trajectory& t : trajectories)
-    for (const Segment& segment : t.segments) {
-      if (segment.last_node == segment.first_node || !t.nodes[segment.first_node].placed) continue;
-      const ChainVariant variant{
-          .without = {},
-          .columns = errors,
-          .errors_of =
-              [&](const ObservationRow& row, Eigen::RowVectorXd& of_row) {
-                of_row.setZero(errors);
-                return patterns(t, row, of_row);
-              },
-          .visit =
-              [&](const ChainWindow& w) { add_window(t, segment, state, layout, patterns, w, by, test); }};
-      static_cast<void>(solve_by_windows(t, segment, state, std::span(&variant, 1), threads));
-    }
+    for (const Segment& segment : t.segments)
+      add_segment(t, segment, state, layout, errors, patterns, threads, test);
+  return test;
+}
+
+ScoreTest score_test(const Trajectory& trajectory, const Segment& segment, const SharedState& state,
+                     const ParameterLayout& layout, Eigen::Index errors, const ErrorPatterns& patterns) {
+  ScoreTest test(layout.size(), errors);
+  add_segment(trajectory, segment, state, layout, errors, patterns, 1, test);
   return test;
 }
 

@@ -50,6 +50,9 @@ class ScoreTest {
   [[nodiscard]] Finding of(const Eigen::MatrixXd& sums, const AdjustedParameters& parameters) const;
   [[nodiscard]] Finding of_error(Eigen::Index error, const AdjustedParameters& parameters) const;
 
+  /// By how much the parameters follow an error of size one that the adjustment does not know of: -Q J'c.
+  [[nodiscard]] Eigen::VectorXd shift(Eigen::Index error, const Covariance& covariance) const;
+
   [[nodiscard]] const Eigen::VectorXd& gradient() const { return gradient_; }
   /// C'C - (J'C)' Q (J'C) / share, of sums `a` (rows) with sums `b` (columns).
   [[nodiscard]] Eigen::MatrixXd information(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
@@ -71,5 +74,9 @@ class ScoreTest {
 [[nodiscard]] ScoreTest score_test(const std::vector<Trajectory>& trajectories, const SharedState& state,
                                    const ParameterLayout& layout, Eigen::Index errors,
                                    const ErrorPatterns& patterns, int threads = 1);
+/// The same of one segment: of a stop.
+[[nodiscard]] ScoreTest score_test(const Trajectory& trajectory, const Segment& segment,
+                                   const SharedState& state, const ParameterLayout& layout,
+                                   Eigen::Index errors, const ErrorPatterns& patterns);
 
 }  // namespace octant::calib

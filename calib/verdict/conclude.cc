@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "calib/errors/reliability.h"
 #include "calib/errors/statistics.h"
@@ -17,6 +18,7 @@
 #include "calib/statements/statements.h"
 #include "calib/verdict/datum.h"
 #include "calib/verdict/observability.h"
+#include "calib/verdict/shadows.h"
 
 namespace octant::calib {
 namespace {
@@ -85,6 +87,31 @@ void allow_for_correlation(const Estimate& estimate, const Covariance& C,
   solution.white_covariance = solution.covariance;
   const Eigen::VectorXd si = estimate.layout.si_per_unit();
   solution.covariance.matrix = si.asDiagonal() * solution.errors.covariance * si.asDiagonal();
+}
+
+/// Sigmas that hold though some beacon may have been shadowed at a stop.
+/// @return what is to be said of it; empty: nothing
+std::string allow_for_shadows(const Problem& problem, const Estimate& estimate, const Covariance& C,
+                              const std::vector<Trajectory>& trajectories, Solution& solution) {
+  constexpr double kWorthTelling = 1.5;  // times a sigma
+  if (solution.covariance.parameters.empty()) return "";
+  const ShadowRisk risk = shadow_risk(trajectories, solution.state, {estimate.layout, C});
+  if (risk.covariance.size() == 0) return "";
+  const Eigen::VectorXd si = estimate.layout.si_per_unit();
+  const Eigen::VectorXd before = solution.covariance.matrix.diagonal();
+  solution.covariance.matrix += si.asDiagonal() * risk.covariance * si.asDiagonal();
+  std::vector<std::string> grown;
+  for (std::size_t b = 0; b < problem.site.beacons.size(); ++b)
+    if (std::ranges::any_of(estimate.layout.beacon[b], [&](int column) {
+          return column >= 0 &&
+                 solution.covariance.matrix(column, column) > kWorthTelling * kWorthTelling * before[column];
+        }))
+      grown.push_back(problem.site.beacons[b].name);
+  if (grown.empty()) return "";
+  return fmt::format(
+      "of what beacons sent to stops {:.2g} % came late at all receivers; where few beacons are heard, such "
+      "echoes show in no residual, and the sigmas of {} allow for that: record more stops there",
+      100 * risk.share, fmt::join(grown, ", "));
 }
 
 /// Poses that are far better than stated say little of the arrivals' noise while they are taken for so bad.
@@ -205,6 +232,7 @@ void conclude_as_is(const Problem& problem, const SolveOptions& options, const E
   solution.beacon_mirrored = estimate.beacon_mirrored;
   for (std::string& warning : bearings_in_doubt(problem, solution.left_out_bearings))
     solution.warnings.push_back(std::move(warning));
+  const bool is_whole = !findings.totals || findings.totals->stride == 1;
   solution.totals = std::move(findings.totals);
   solution.warnings.insert(solution.warnings.end(), findings.flips.begin(), findings.flips.end());
   if (solution.status == SolveStatus::kConverged && !is_bent_by_a_clock(problem, solution))
@@ -212,10 +240,13 @@ void conclude_as_is(const Problem& problem, const SolveOptions& options, const E
   if (solution.status == SolveStatus::kConverged)
     solution.common_errors = common_errors(trajectories, solution.state, {estimate.layout, C, share_of_log},
                                            growth_of_sigmas(solution), options.threads);
+  const std::string shadowed =
+      is_whole ? allow_for_shadows(problem, estimate, C, trajectories, solution) : "";
   if (solution.contradictions.empty()) tell_common_errors(problem, solution);
   if (!solution.contradictions.empty())
     return;  // which tell the culprit; what follows would name the innocent
   warn_of_noise(problem, estimate, trajectories, options.threads, solution);
+  if (!shadowed.empty()) solution.warnings.push_back(shadowed);
   for (std::string& warning : suspect_control_points(problem, solution.state, trajectories))
     solution.warnings.push_back(std::move(warning));
 }

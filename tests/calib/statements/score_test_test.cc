@@ -74,6 +74,28 @@ TEST_P(ScoreTest, IsWhatAdjustingAgainGains) {
   EXPECT_EQ(test.of_error(2, parameters).size[0], 0.0);
 }
 
+// Against an adjustment of times of flight that have the error.
+TEST_P(ScoreTest, ParametersFollowAnErrorByItsShift) {
+  const World world = world_of(4, 60.0);
+  const calib::Solution solution = solution_of(world);
+  const std::vector<Arrival>& arrivals = world.run.arrivals;
+  const Errors errors{arrivals[arrivals.size() / 2].time_s};
+  const Adjusted adjusted(world, solution);
+  const auto test = calib::score_test(solution.trajectories, solution.state, adjusted.layout, 3, errors);
+  const Eigen::VectorXd shift = test.shift(0, adjusted.covariance);
+  constexpr double kError_s = 1e-6;
+  const auto adjusted_with = [&](double error_s) {
+    std::vector<Trajectory> trajectories = solution.trajectories;
+    for (Trajectory& t : trajectories)
+      for (ArrivalObservation& a : t.arrivals) a.tof_s += a.time_s < errors.from_s ? 0.0 : error_s;
+    Eigen::VectorXd x = adjusted.x;
+    (void)calib::adjust(adjusted.problem, adjusted.layout, trajectories, x, {.function_tolerance = 1e-16});
+    return x;
+  };
+  const Eigen::VectorXd moved = (adjusted_with(kError_s) - adjusted_with(-kError_s)) / (2 * kError_s);
+  EXPECT_LT((moved - shift).norm(), 0.02 * shift.norm());
+}
+
 // Of a part of the log the size is the same, though the parameters have followed the error in all of it.
 TEST(ScoreTests, OfAPartSayTheSameSize) {
   Scenario scenario = hall_scenario();

@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/verdict/shadows.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/calib/calib_support.h"
+#include "tests/calib/statements/adjusted.h"
+
+namespace octant::test {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+/// A hall where two receivers hear few beacons at a stop, and one arrival in seven is an echo.
+World quiet_corners(std::uint64_t seed, double echoes = 0.15) {
+  Scenario s = hall_scenario();
+  s.path.epochs = 60;
+  s.range_m = 10.0;
+  s.hearing_half_angle_rad = 3.2;
+  s.echo_fraction = echoes;
+  s.site.receivers.resize(2);
+  const Eigen::Vector3d places[2] = {{0.3, 0.1, 0.3}, {-0.2, -0.2, 0.6}};
+  for (std::size_t i = 0; i < 2; ++i) {
+    s.site.receivers[i].position_m = places[i];
+    s.site.receivers[i].axis.reset();
+  }
+  s.site.vehicles[0].receiver_count = 2;
+  s.site.vehicles[0].array.reset();
+  return must(simulate(s, seed));
+}
+
+calib::ShadowRisk risk_of(const World& world, const calib::Solution& solution) {
+  const Adjusted adjusted(world, solution);
+  return calib::shadow_risk(solution.trajectories, solution.state, adjusted.parameters());
+}
+
+// Mean square of the errors over their variances is one where sigmas hold; by those of the noise alone it was
+// three, with single beacons fifteen sigmas off.
+TEST(Shadows, SigmasHoldAmongEchoesThatNoResidualShows) {
+  double squares = 0.0, freedoms = 0.0, worst = 0.0;
+  for (std::uint64_t seed = 1; seed <= 25; ++seed) {
+    const World world = quiet_corners(seed);
+    const calib::Solution solution = solution_of(world);
+    if (solution.status != calib::SolveStatus::kConverged) continue;
+    const BeaconErrors errors = beacon_errors(world, solution);
+    const Eigen::ArrayXd standardised = errors.error.array() / errors.covariance.diagonal().array().sqrt();
+    squares += standardised.square().sum();
+    freedoms += static_cast<double>(standardised.size());
+    worst = std::max(worst, standardised.abs().maxCoeff());
+  }
+  EXPECT_GT(freedoms, 300);
+  EXPECT_LT(squares / freedoms, 1.6);
+  EXPECT_GT(squares / freedoms, 0.4);
+  EXPECT_LT(worst, 6.0);
+}
+
+TEST(Shadows, AreNoneWhereNothingWasLate) {
+  const World world = quiet_corners(3, 0.0);
+  const calib::Solution solution = solution_of(world);
+  EXPECT_EQ(risk_of(world, solution).covariance.size(), 0);
+  EXPECT_THAT(solution.warnings, ::testing::Not(Contains(HasSubstr("came late at all receivers"))));
+}
+
+// The octagon hears each beacon at some 120 stops: what one of them does is little.
+TEST(Shadows, CostLittleWhereMuchIsHeard) {
+  Scenario s = hall_scenario();
+  s.path.epochs = 150;
+  s.echo_fraction = 0.1;
+  const World world = must(simulate(s, 4));
+  const calib::Solution solution = solution_of(world);
+  const Adjusted adjusted(world, solution);
+  const calib::ShadowRisk risk = risk_of(world, solution);
+  ASSERT_GT(risk.covariance.size(), 0);
+  EXPECT_GT(risk.share, 0.02);
+  EXPECT_LT(risk.share, 0.12);
+  for (Eigen::Index i = 0; i < risk.covariance.rows(); ++i)
+    EXPECT_LT(risk.covariance(i, i), 0.15 * adjusted.covariance(i, i)) << i;
+}
+
+TEST(Shadows, AreToldWhereTheyWeigh) {
+  int told = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const calib::Solution solution = solution_of(quiet_corners(seed));
+    told += std::ranges::any_of(solution.warnings, [](const std::string& warning) {
+      return warning.find("came late at all receivers") != std::string::npos;
+    });
+  }
+  EXPECT_GE(told, 2);
+}
+
+}  // namespace
+}  // namespace octant::test
