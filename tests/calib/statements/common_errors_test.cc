@@ -75,6 +75,15 @@ TEST(CommonErrors, NoiseOfOdometryIsNoError) {
   Scenario s = drive_scenario(60.0);
   s.path.waypoints_m = {{2.0, 6.0}, {18.0, 6.5}};
   s.odometry_accuracy.heading_sigma_rad_per_sqrt_m = 0.04;
+  s.site.noise.tof_sigma_s = 3e-6;  // two receivers far apart tell the heading to two thousandths
+  s.hearing_half_angle_rad = 3.2;
+  s.site.receivers.resize(2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    s.site.receivers[i].position_m = Eigen::Vector3d(i == 0 ? -0.3 : 0.4, i == 0 ? -0.3 : 0.2, 0.6);
+    s.site.receivers[i].axis.reset();
+  }
+  s.site.vehicles[0].receiver_count = 2;
+  s.site.vehicles[0].array.reset();
   for (std::uint64_t seed = 1; seed <= 4; ++seed)
     for (const calib::CommonError& e : solution_of(must(simulate(s, seed))).common_errors)
       EXPECT_FALSE(calib::is_of_odometry(e)) << seed << ": " << e.size << ", " << e.sigmas << " sigma";
