@@ -199,10 +199,11 @@ void judge_anew(const Problem& problem, const SolveOptions& options, Estimate es
   static_cast<void>(judge(problem, options, estimate, trajectories, solution));
 }
 
+/// @param is_subsampled  the verdict is judged anew, by all that the log stands for
 /// @param judged  set to where the warnings of the verdict are
 void conclude_as_is(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
-                    Findings findings, std::vector<Trajectory>& trajectories, Solution& solution,
-                    std::pair<std::size_t, std::size_t>& judged) {
+                    Findings findings, bool is_subsampled, std::vector<Trajectory>& trajectories,
+                    Solution& solution, std::pair<std::size_t, std::size_t>& judged) {
   const AdjustResult& last = estimate.last;
   solution.state = estimate.state();
   solution.final_cost = last.cost;
@@ -232,7 +233,7 @@ void conclude_as_is(const Problem& problem, const SolveOptions& options, const E
   solution.beacon_mirrored = estimate.beacon_mirrored;
   for (std::string& warning : bearings_in_doubt(problem, solution.left_out_bearings))
     solution.warnings.push_back(std::move(warning));
-  const bool is_whole = !findings.totals || findings.totals->stride == 1;
+  const bool is_whole = !is_subsampled && (!findings.totals || findings.totals->stride == 1);
   solution.totals = std::move(findings.totals);
   solution.warnings.insert(solution.warnings.end(), findings.flips.begin(), findings.flips.end());
   if (solution.status == SolveStatus::kConverged && !is_bent_by_a_clock(problem, solution))
@@ -258,7 +259,8 @@ void conclude(const Problem& problem, const SolveOptions& options, const Estimat
   std::vector<Trajectory> trajectories = std::move(findings.trajectories);
   std::vector<Trajectory> as_complete = std::move(findings.as_complete);
   std::pair<std::size_t, std::size_t> judged;
-  conclude_as_is(problem, options, estimate, std::move(findings), trajectories, solution, judged);
+  conclude_as_is(problem, options, estimate, std::move(findings), !as_complete.empty(), trajectories,
+                 solution, judged);
   solution.trajectories = std::move(trajectories);
   if (as_complete.empty()) return;
   const auto begin = solution.warnings.begin();
