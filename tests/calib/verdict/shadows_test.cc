@@ -8,6 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calib/calibrator.h"
+#include "calib/log/subsampled_log.h"
+#include "calib/problem/subsample.h"
 #include "tests/calib/calib_support.h"
 #include "tests/calib/statements/adjusted.h"
 
@@ -101,15 +104,34 @@ TEST(Shadows, CostLittleWhereMuchIsHeard) {
     EXPECT_LT(risk.covariance(i, i), 0.15 * adjusted.covariance(i, i)) << i;
 }
 
+bool is_told(const calib::Solution& solution) {
+  return std::ranges::any_of(solution.warnings, [](const std::string& warning) {
+    return warning.find("came late at all receivers") != std::string::npos;
+  });
+}
+
 TEST(Shadows, AreToldWhereTheyWeigh) {
   int told = 0;
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    const calib::Solution solution = solution_of(quiet_corners(seed));
-    told += std::ranges::any_of(solution.warnings, [](const std::string& warning) {
-      return warning.find("came late at all receivers") != std::string::npos;
-    });
-  }
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) told += is_told(solution_of(quiet_corners(seed)));
   EXPECT_GE(told, 2);
+}
+
+// Its verdict is judged anew by all that it stands for, without them: octant check told of sigmas that it had
+// not.
+TEST(Shadows, AreNotToldOfASubsampledLog) {
+  const calib::SolveOptions options;
+  int of_the_part = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const World world = quiet_corners(seed);
+    const calib::Problem few =
+        must(calib::make_problem(world.site, {calib::subsample(world.run, world.site, {.instants = 58})}));
+    calib::ProgressMonitor monitor(options);
+    const calib::LogCounts counts(problem_of(world));
+    calib::SubsampledLog log(few, counts, options, monitor);
+    EXPECT_FALSE(is_told(must(calib::calibrate(log, options, monitor)))) << seed;
+    of_the_part += is_told(calib::solve(few));
+  }
+  EXPECT_GE(of_the_part, 2) << "there is nothing to be told";
 }
 
 }  // namespace
