@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "calib/calibrate.h"
-#include "calib/errors/variances.h"
 #include "calib/problem/ranges.h"
+#include "calib/solution/variances.h"
 #include "calib/verdict/validity.h"
 #include "models/physics/polygon.h"
 #include "models/trajectory/linearise.h"

@@ -7,16 +7,6 @@
 
 namespace octant::calib {
 
-const char* to_string(SolveStatus status) {
-  switch (status) {
-    case SolveStatus::kConverged: return "ok";
-    case SolveStatus::kNotConverged: return "not_converged";
-    case SolveStatus::kUndetermined: return "undetermined";
-    case SolveStatus::kInterrupted: return "interrupted";
-  }
-  return "not_converged";
-}
-
 namespace {
 
 Solution solve_held(const Problem& problem, const SolveOptions& options,

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "calib/adjust/ranks.h"
+#include "calib/sums/ranks.h"
 
 namespace octant::app {
 

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "apps/octant/interrupt.h"
-#include "calib/stream/streamed.h"
+#include "calib/streamed.h"
 
 namespace octant::app {
 

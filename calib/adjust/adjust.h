@@ -2,27 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 
 #include <Eigen/Core>
 
-#include "calib/adjust/ranks.h"
-#include "calib/chain/reduced_system.h"
+#include "calib/adjust/adjust_options.h"
 #include "calib/problem/parameters.h"
+#include "calib/sums/reduced_system.h"
 
 namespace octant::calib {
 
 class SystemSum;
-
-struct AdjustOptions {
-  RobustLoss loss;
-  int max_iterations = 100;
-  Workers workers;
-  double function_tolerance = 1e-10;
-  std::function<bool(int iteration, double cost)> on_iteration;  ///< false stops
-};
 
 struct AdjustResult {
   bool converged = false;

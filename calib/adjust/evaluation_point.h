@@ -7,7 +7,7 @@
 #include <ceres/evaluation_callback.h>
 #include <Eigen/Core>
 
-#include "calib/adjust/adjust.h"
+#include "calib/adjust/adjust_options.h"
 #include "calib/adjust/priors.h"
 #include "calib/adjust/tile_sum.h"
 

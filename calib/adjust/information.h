@@ -7,9 +7,9 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
-#include "calib/adjust/ranks.h"
-#include "calib/chain/reduced_system.h"
 #include "calib/problem/parameters.h"
+#include "calib/sums/ranks.h"
+#include "calib/sums/reduced_system.h"
 
 namespace octant::calib {
 

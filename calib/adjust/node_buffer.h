@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "calib/problem/log_buffer.h"
+#include "calib/sums/log_buffer.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant::calib {

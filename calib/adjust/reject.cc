@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "calib/problem/gates.h"
-#include "calib/problem/ranges.h"
 #include "models/support/parallel.h"
 #include "models/trajectory/linearise.h"
 

@@ -5,12 +5,10 @@
 #include <cstddef>
 #include <vector>
 
+#include "calib/problem/ranges.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
-
-/// Cauchy's scale at which the loss costs 5 % of efficiency on clean data.
-inline constexpr double kCauchyScale = 2.385;
 
 /// Standard deviation of the arrivals' whitened residuals by those that agree: the truncated variance of what
 /// lies within 2.5 of it, iterated from the median. Echoes, however many, lie outside and do not widen it. 1
@@ -34,5 +32,14 @@ void rescale_poses(std::vector<Trajectory>& trajectories, double factor);
 
 /// All arrivals and bearings in use again, but those of unusable beacons and of states without a place.
 void readmit_all(std::vector<Trajectory>& trajectories, const std::vector<bool>& beacon_usable);
+
+/// Whether the residuals of arrivals that agree (reject.h) say that the noise is not what was assumed: only a
+/// gross departure counts before the rejection. What is left is for NoiseSearch (statistics.h).
+[[nodiscard]] inline bool is_far_off(double agreeing_sigma) {
+  return agreeing_sigma < 0.5 || agreeing_sigma > 1.5;
+}
+
+/// Rounds of rejection.
+inline constexpr int kRejectionRounds = 12;
 
 }  // namespace octant::calib

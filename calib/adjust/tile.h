@@ -8,9 +8,9 @@
 #include <Eigen/Core>
 
 #include "calib/chain/chain_reduction.h"
-#include "calib/chain/reduced_system.h"
 #include "calib/lanes/stop_block.h"
 #include "calib/problem/parameters.h"
+#include "calib/sums/reduced_system.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant::calib {

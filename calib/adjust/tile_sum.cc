@@ -5,7 +5,7 @@
 #include <numeric>
 
 #include "calib/adjust/node_buffer.h"
-#include "calib/adjust/over_ranks.h"
+#include "calib/sums/over_ranks.h"
 #include "models/support/parallel.h"
 
 namespace octant::calib {

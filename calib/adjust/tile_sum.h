@@ -5,10 +5,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "calib/adjust/ranks.h"
 #include "calib/adjust/tile.h"
-#include "calib/chain/reduced_system.h"
 #include "calib/problem/parameters.h"
+#include "calib/sums/ranks.h"
+#include "calib/sums/reduced_system.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant::calib {

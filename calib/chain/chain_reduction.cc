@@ -7,9 +7,9 @@
 #include <type_traits>
 
 #include "calib/chain/chain_kernel.h"
-#include "calib/chain/reduced_system.h"
 #include "calib/chain/stretch_reducer.h"
 #include "calib/lanes/stop_block.h"
+#include "calib/sums/reduced_system.h"
 #include "models/support/parallel.h"
 
 namespace octant::calib {
@@ -117,7 +117,7 @@ std::vector<Stretch> stretches_of(std::size_t states) {
 }
 
 template <int N>
-double reduce_segment(const ChainReduction& chain, const Segment& segment, const SharedState& state,
+double reduce_segment(const ChainPaths& chain, const Segment& segment, const SharedState& state,
                       const RobustLoss& loss, const std::vector<int>& place, int threads,
                       ReducedSystem& system) {
   const auto columns = static_cast<std::size_t>(system.H.cols());
@@ -137,7 +137,7 @@ double reduce_segment(const ChainReduction& chain, const Segment& segment, const
 }
 
 template <int N>
-void reduce_open_segment(const ChainReduction& chain, const Segment& segment, const SharedState& state,
+void reduce_open_segment(const ChainPaths& chain, const Segment& segment, const SharedState& state,
                          const RobustLoss& loss, const std::vector<int>& place, std::size_t columns,
                          OpenChain& out) {
   const Stretch stretch{out.has_left, out.has_right, out.has_left ? 1U : 0U,
@@ -179,38 +179,17 @@ auto with_block(int size, Work&& work) {
 
 }  // namespace
 
-ChainReduction::ChainReduction(const Trajectory& trajectory, const ParameterLayout& layout,
-                               const std::vector<std::size_t>& segments)
-    : trajectory_(&trajectory), layout_(&layout), receivers_(layout.receiver.size()) {
-  path_of_.assign(layout.beacon.size() * receivers_, -1);
-  for (const std::size_t s : segments) {
-    const Segment& segment = trajectory.segments[s];
-    for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
-      const std::size_t b = trajectory.arrivals[i].beacon.index(),
-                        r = trajectory.arrivals[i].receiver.index();
-      std::int32_t& path = path_of_[b * receivers_ + r];
-      if (path >= 0) continue;
-      path = static_cast<std::int32_t>(paths_.size());
-      PathColumns& columns =
-          paths_.emplace_back(path_columns(layout, BeaconId(b), ReceiverId(r), trajectory.run));
-      // Ascending, as the columns of the system are.
-      std::sort(columns.entry.begin(), columns.entry.begin() + static_cast<std::ptrdiff_t>(columns.count),
-                [](const auto& x, const auto& y) { return x.column < y.column; });
-    }
-  }
-}
-
 double ChainReduction::reduce(const Segment& segment, const SharedState& state, const RobustLoss& loss,
                               const std::vector<int>& place, int threads, ReducedSystem& system) const {
-  return with_block(trajectory_->block_size(), [&]<int N>(std::integral_constant<int, N>) {
-    return reduce_segment<N>(*this, segment, state, loss, place, threads, system);
+  return with_block(paths_.trajectory().block_size(), [&]<int N>(std::integral_constant<int, N>) {
+    return reduce_segment<N>(paths_, segment, state, loss, place, threads, system);
   });
 }
 
 void ChainReduction::reduce_open(const Segment& segment, const SharedState& state, const RobustLoss& loss,
                                  const std::vector<int>& place, std::size_t columns, OpenChain& out) const {
-  with_block(trajectory_->block_size(), [&]<int N>(std::integral_constant<int, N>) {
-    reduce_open_segment<N>(*this, segment, state, loss, place, columns, out);
+  with_block(paths_.trajectory().block_size(), [&]<int N>(std::integral_constant<int, N>) {
+    reduce_open_segment<N>(paths_, segment, state, loss, place, columns, out);
   });
 }
 

@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
-#include "calib/problem/shared_entries.h"
+#include "calib/chain/chain_paths.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
@@ -32,7 +31,8 @@ class ChainReduction {
   /// @param trajectory, layout  not owned
   /// @param segments  those that it will be asked for
   ChainReduction(const Trajectory& trajectory, const ParameterLayout& layout,
-                 const std::vector<std::size_t>& segments);
+                 const std::vector<std::size_t>& segments)
+      : paths_(trajectory, layout, segments) {}
 
   /// Adds gradient and lower triangle of H at the states as the trajectory has them.
   /// @param place  where each column of the layout stands in the system, ascending; -1: nowhere
@@ -47,20 +47,8 @@ class ChainReduction {
   void reduce_open(const Segment& segment, const SharedState& state, const RobustLoss& loss,
                    const std::vector<int>& place, std::size_t columns, OpenChain& out) const;
 
-  /// Paths that some arrival of the segments took.
-  [[nodiscard]] const std::vector<PathColumns>& paths() const { return paths_; }
-  [[nodiscard]] std::size_t path_of(const ArrivalObservation& a) const {
-    return static_cast<std::size_t>(path_of_[a.beacon.index() * receivers_ + a.receiver.index()]);
-  }
-  [[nodiscard]] const Trajectory& trajectory() const { return *trajectory_; }
-  [[nodiscard]] const ParameterLayout& layout() const { return *layout_; }
-
  private:
-  const Trajectory* trajectory_;
-  const ParameterLayout* layout_;
-  std::size_t receivers_;
-  std::vector<std::int32_t> path_of_;  ///< by beacon and receiver; -1: not heard
-  std::vector<PathColumns> paths_;
+  ChainPaths paths_;
 };
 
 }  // namespace octant::calib

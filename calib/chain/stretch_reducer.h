@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "calib/chain/chain_reduction.h"
+#include "calib/chain/chain_paths.h"
 #include "calib/chain/stretch_window.h"
 #include "calib/problem/shared_entries.h"
 #include "models/trajectory/linearise.h"
@@ -38,7 +38,7 @@ class StretchReducer {
  public:
   static constexpr std::size_t n = N;
 
-  StretchReducer(const ChainReduction& chain, const Segment& segment, const SharedState& state,
+  StretchReducer(const ChainPaths& chain, const Segment& segment, const SharedState& state,
                  const RobustLoss& loss, const std::vector<int>& place, std::size_t columns)
       : chain_(chain),
         t_(chain.trajectory()),
@@ -284,7 +284,7 @@ class StretchReducer {
   }
 
   StretchMemory& memory_ = of_this_thread();
-  const ChainReduction& chain_;
+  const ChainPaths& chain_;
   const Trajectory& t_;
   const Segment& segment_;
   const SharedState& state_;

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "calib/errors/error_draws.h"
+#include "calib/errors/error_part.h"
 #include "calib/errors/error_sample.h"
 
 namespace octant::calib {

@@ -8,36 +8,11 @@
 #include <Eigen/Core>
 
 #include "calib/adjust/covariance.h"
+#include "calib/errors/error_part.h"
 #include "calib/problem/parameters.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
-
-/// What errors have in common that share a part: one value for each cell of an axis.
-enum class ErrorAxis {
-  kTime,       ///< stretches of time [s]
-  kPlace,      ///< squares of the floor [m]
-  kDirection,  ///< sectors of the direction to the beacon in the vehicle frame [rad]
-  kAspect,     ///< sectors of the direction from the beacon, in the map [rad]
-  kRange,      ///< intervals of the distance to the beacon [m]
-  kConstant    ///< the whole log
-};
-
-/// Who shares a part of the errors.
-enum class ErrorGroup {
-  kPair,     ///< each beacon-receiver pair has its own
-  kBeacon,   ///< all receivers of a beacon share it
-  kReceiver  ///< all beacons of a receiver share it
-};
-
-/// A random part of the errors of arrivals (or bearings): one value for each group and cell.
-struct ErrorPart {
-  bool bearings = false;  ///< of bearings; else of times of flight
-  ErrorGroup group = ErrorGroup::kPair;
-  ErrorAxis axis = ErrorAxis::kConstant;
-  double extent = 0.0;    ///< of a cell, unit of the axis
-  double variance = 0.0;  ///< in units of the white noise of the adjustment
-};
 
 /// Errors as the residuals show them, where these are not white.
 struct ErrorModel {

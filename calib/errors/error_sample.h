@@ -9,7 +9,6 @@
 
 #include "calib/adjust/covariance.h"
 #include "calib/errors/draw_kernel.h"
-#include "calib/errors/error_model.h"
 #include "calib/problem/parameters.h"
 #include "models/trajectory/trajectory.h"
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "calib/adjust/covariance.h"
+#include "calib/errors/residual_groups.h"
 #include "calib/problem/log_totals.h"
 #include "calib/problem/parameters.h"
 #include "models/deployment.h"
@@ -75,15 +76,6 @@ struct BeaconReliability {
   /// it. None: nothing would notice.
   std::optional<double> lateness_mdb_s, lateness_influence_m;
   std::optional<ErrorEllipse> ellipse;  ///< none for control points and undetermined beacons
-};
-
-/// Residuals of the used arrivals of one group.
-struct ResidualGroup {
-  std::string name;             ///< of beacon or receiver; empty for a bin
-  double from = 0.0, to = 0.0;  ///< of a bin: metres, radians, degrees Celsius or seconds
-  std::size_t count = 0;
-  double mean_s = 0.0, rms_s = 0.0;
-  double mean_m = 0.0, rms_m = 0.0;
 };
 
 /// What a surveyor expects of an adjustment, beside the variance factor. Sigmas are the noise as found

@@ -2,11 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <string>
 #include <vector>
 
-#include "calib/errors/reliability.h"
-
 namespace octant::calib {
+
+/// Residuals of the used arrivals of one group.
+struct ResidualGroup {
+  std::string name;             ///< of beacon or receiver; empty for a bin
+  double from = 0.0, to = 0.0;  ///< of a bin: metres, radians, degrees Celsius or seconds
+  std::size_t count = 0;
+  double mean_s = 0.0, rms_s = 0.0;
+  double mean_m = 0.0, rms_m = 0.0;
+};
 
 /// A residual and what it is grouped by.
 struct GroupedResidual {

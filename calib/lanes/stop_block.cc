@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "calib/chain/reduced_system.h"
+#include "calib/sums/reduced_system.h"
 
 namespace octant::calib {
 namespace {

@@ -14,7 +14,7 @@
 namespace octant::calib {
 
 /// A log as its calibration (calibrator.h) sees it. It is held in memory (held_log.h), or too long for that
-/// and read again for each look at it (stream/streamed.cc). Errors of all: those of reading,
+/// and read again for each look at it (streamed.cc). Errors of all: those of reading,
 /// Errc::kInterrupted where the course is to stop.
 class CalibrationLog {
  public:

@@ -91,7 +91,7 @@ Result<Findings> HeldLog::findings(const Estimate& estimate) {
   Findings f;
   const SharedState state = estimate.state();
   f.statistics = statistics_ ? *statistics_ : statistics(estimate);
-  f.flips = report_flips(problem_, trajectories_, start_headings_rad_);
+  f.flips = report_flips(problem_.site, problem_.runs, trajectories_, start_headings_rad_);
   f.left_out = left_out_of(problem_, trajectories_, state);
   f.trajectories = std::move(trajectories_);
   return f;

@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 
 #include "calib/problem/parameters.h"
-#include "calib/solution.h"
+#include "calib/solution/solution.h"
 
 namespace octant::calib {
 

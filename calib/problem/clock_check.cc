@@ -8,7 +8,6 @@
 #include <optional>
 #include <set>
 
-#include "calib/adjust/reject.h"
 #include "calib/problem/ranges.h"
 #include "calib/problem/unit_check.h"
 

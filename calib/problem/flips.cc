@@ -58,19 +58,20 @@ std::vector<std::string> flips_in_words(const MeasurementLog& run, const std::ve
                       epochs.size(), epochs_text(epochs))};
 }
 
-std::vector<std::string> report_flips(const Problem& problem, const std::vector<Trajectory>& trajectories,
+std::vector<std::string> report_flips(const Site& site, const std::vector<MeasurementLog>& runs,
+                                      const std::vector<Trajectory>& trajectories,
                                       const std::vector<std::vector<double>>& before) {
   std::vector<std::string> reported;
   for (std::size_t i = 0; i < trajectories.size(); ++i) {
     const Trajectory& t = trajectories[i];
-    if (t.bearings.empty() && !has_heading(problem.site, t.vehicle, !t.poses.empty() || !t.odometry.empty()))
+    if (t.bearings.empty() && !has_heading(site, t.vehicle, !t.poses.empty() || !t.odometry.empty()))
       continue;
     if (!has_stops(t) || before[i].size() != trajectories[i].nodes.size()) continue;
     std::vector<std::int64_t> flipped;
     for (std::size_t k = 0; k < before[i].size(); ++k)
       if (is_flipped(trajectories[i].nodes[k], before[i][k]))
         flipped.push_back(trajectories[i].nodes[k].epoch);
-    for (std::string& words : flips_in_words(problem.runs[trajectories[i].run], flipped))
+    for (std::string& words : flips_in_words(runs[trajectories[i].run], flipped))
       reported.push_back(std::move(words));
   }
   return reported;

@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "calib/problem/problem.h"
+#include "models/run.h"
+#include "models/site.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
@@ -27,7 +28,7 @@ namespace octant::calib {
 /// Heading flips in words, for the user to look at: epochs that began facing the wrong way, by more than 90
 /// degrees against what they were adjusted to, and were turned.
 /// @param before  from epoch_headings_rad, of the start
-[[nodiscard]] std::vector<std::string> report_flips(const Problem& problem,
+[[nodiscard]] std::vector<std::string> report_flips(const Site& site, const std::vector<MeasurementLog>& runs,
                                                     const std::vector<Trajectory>& trajectories,
                                                     const std::vector<std::vector<double>>& before);
 

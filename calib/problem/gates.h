@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "calib/problem/problem.h"
+#include <vector>
+
+#include "models/site.h"
+#include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
 

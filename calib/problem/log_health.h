@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "calib/problem/finding.h"
 #include "models/run.h"
 #include "models/site.h"
 
@@ -13,13 +14,6 @@ namespace octant::calib {
 
 /// The file that a run's measured poses were read from: points.csv, or else poses.tum.
 [[nodiscard]] std::string pose_file(const MeasurementLog& run);
-
-/// Something about a log or a site that a person should look at.
-struct Finding {
-  std::string
-      kind;  ///< for machines: "silent_beacon", "unit", "two_way", "receiver_label", "clock_step", "gap", ...
-  std::string text;  ///< for people, one sentence
-};
 
 /// What one beacon or one receiver contributes to a recording.
 struct LinkHealth {
@@ -38,13 +32,6 @@ struct Coverage {
   std::size_t rows = 0;
   double share = 0.0;          ///< of arrivals, 0..1
   double longest_gap_s = 0.0;  ///< between neighbouring rows
-};
-
-/// All times jump by the same amount between two instants.
-struct ClockStep {
-  double time_s = 0.0;  ///< the first instant after it
-  double step_s = 0.0;  ///< by which later times of flight are longer
-  std::size_t beacons = 0;
 };
 
 /// What can be said of a recording by counting, before anything is solved.

@@ -27,6 +27,14 @@ struct Problem {
   std::vector<double> held_lever_sigma_m;
 };
 
+[[nodiscard]] inline double typical_range_m(const Problem& problem) { return problem.typical_range_m; }
+
+/// Length that a deviation must not exceed: the site's tolerance for beacons, or a twentieth of the typical
+/// range.
+[[nodiscard]] inline double tolerance_m(const Problem& problem) {
+  return problem.site.tolerance.beacon_m.value_or(0.05 * problem.typical_range_m);
+}
+
 /// The problem as an adjustment sees it whose trajectories are elsewhere: without observations, with as many
 /// runs (each may have its own offset of the speed), which are empty.
 [[nodiscard]] Problem without_recordings(const Problem& problem);

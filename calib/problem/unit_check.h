@@ -4,7 +4,9 @@
 
 #include <vector>
 
-#include "calib/problem/log_health.h"
+#include "calib/problem/finding.h"
+#include "models/run.h"
+#include "models/site.h"
 
 namespace octant::calib {
 

@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "calib/calibrate.h"
 #include "calib/problem/log_health.h"
 #include "calib/readings/reading.h"
+#include "calib/solution/solve_options.h"
 
 namespace octant::calib {
 

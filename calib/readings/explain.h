@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "calib/calibrate.h"
+#include "calib/problem/problem.h"
+#include "calib/solution/solution.h"
+#include "calib/solution/solve_options.h"
 
 namespace octant::calib {
 

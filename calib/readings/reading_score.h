@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "calib/calibrate.h"
+#include "calib/solution/solve_options.h"
 
 namespace octant::calib {
 

@@ -4,7 +4,8 @@
 
 #include <vector>
 
-#include "calib/calibrate.h"
+#include "calib/solution/solution.h"
+#include "calib/solution/solve_options.h"
 #include "models/contradiction.h"
 
 namespace octant::calib {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "calib/readings/reading.h"
-#include "calib/solution.h"
+#include "calib/solution/solution.h"
 
 namespace octant::calib {
 

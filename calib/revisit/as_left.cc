@@ -134,18 +134,4 @@ void extend_validity(Deployment& d, const std::vector<Trajectory>& trajectories,
     d.validity_reach_m = std::max(*now_m, d.validity_reach_m.value_or(0.0));
 }
 
-Deployment finished(const Revisit& revisit, const Deployment& before, const Provenance& provenance) {
-  Deployment d = revisit.as_left;
-  d.created = provenance.created;
-  d.program_version = provenance.version;
-  d.program_command = provenance.command;
-  d.inputs = provenance.inputs;
-  d.warnings = revisit.warnings;
-  d.digest.clear();
-  d.previous =
-      Previous{before.digest, before.created, revisit.drift,
-               changed_parameters(revisit.comparison, known_parameters(before)), revisit.comparison.changes};
-  return d;
-}
-
 }  // namespace octant::calib

@@ -5,13 +5,21 @@
 #include <string>
 #include <vector>
 
-#include "calib/revisit/revisit.h"
+#include "calib/problem/problem.h"
 #include "calib/revisit/visit_information.h"
 #include "calib/statements/refit.h"
 #include "models/changes/comparison.h"
 #include "models/deployment.h"
 
 namespace octant::calib {
+
+/// The medium as the second visit found it.
+struct MediumFound {
+  bool temperature_known = false;  ///< a thermometer was read, or temperature does not matter
+  double temperature_degC = 0.0;   ///< mean of what the recordings say, else what was assumed
+  double speed_change_mps = 0.0;   ///< of the offset from the medium's model, new less old
+  double speed_change_sigma_mps = 0.0;
+};
 
 /// An earlier deployment, updated by what a second visit says.
 struct AsLeft {
@@ -32,9 +40,5 @@ struct AsLeft {
 /// What a deployment is valid for, by a visit's places and (where they are known) its temperatures too.
 void extend_validity(Deployment& deployment, const std::vector<Trajectory>& trajectories,
                      const Problem& problem, bool temperature_known);
-
-/// The new deployment with where it came from.
-[[nodiscard]] Deployment finished(const Revisit& revisit, const Deployment& before,
-                                  const Provenance& provenance);
 
 }  // namespace octant::calib

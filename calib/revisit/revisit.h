@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "calib/calibrate.h"
+#include "calib/revisit/as_left.h"
 #include "calib/revisit/heard.h"
 #include "models/changes/comparison.h"
 #include "models/deployment.h"
@@ -17,14 +18,6 @@ namespace octant::calib {
 struct RevisitOptions {
   SolveOptions solve;
   Drift drift;  ///< allowed for since the earlier calibration
-};
-
-/// The medium as the second visit found it.
-struct MediumFound {
-  bool temperature_known = false;  ///< a thermometer was read, or temperature does not matter
-  double temperature_degC = 0.0;   ///< mean of what the recordings say, else what was assumed
-  double speed_change_mps = 0.0;   ///< of the offset from the medium's model, new less old
-  double speed_change_sigma_mps = 0.0;
 };
 
 /// A second visit to a calibrated site: as found, as left.

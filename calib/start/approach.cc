@@ -16,7 +16,6 @@
 #include "calib/start/place_search.h"
 #include "calib/start/refusals.h"
 #include "calib/start/start.h"
-#include "calib/verdict/observability.h"
 
 namespace octant::calib {
 namespace {

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "calib/adjust/estimate.h"
-#include "calib/calibrate.h"
+#include "calib/solution/solution.h"
+#include "calib/solution/solve_options.h"
 #include "calib/start/progress_monitor.h"
 
 namespace octant::calib {

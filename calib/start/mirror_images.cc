@@ -13,7 +13,6 @@
 #include "calib/adjust/priors.h"
 #include "calib/adjust/reject.h"
 #include "calib/problem/ranges.h"
-#include "calib/verdict/observability.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "calib/adjust/adjust.h"
-#include "calib/calibrate.h"
+#include "calib/solution/solve_options.h"
 #include "models/support/result.h"
 
 namespace octant::calib {

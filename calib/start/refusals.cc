@@ -3,6 +3,7 @@
 #include "calib/start/refusals.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <numeric>
 #include <string>
@@ -20,6 +21,37 @@ Solution interrupted_solution() {
   solution.status = SolveStatus::kInterrupted;
   solution.message = "interrupted";
   return solution;
+}
+
+std::optional<WeakDirection> missing_scale(const Problem& problem) {
+  // A length or speed known to this share of itself carries the scale.
+  constexpr double kKnownScale = 0.15;
+  const Site& site = problem.site;
+  const double range_m = typical_range_m(problem), speed = speed_mps(site.medium);
+  if (site.speed_sigma_mps < kKnownScale * speed || !site.distances.empty()) return {};
+  Eigen::AlignedBox3d receivers;
+  double receiver_sigma_m = 0.0;
+  for (const SiteReceiver& r : site.receivers) {
+    receivers.extend(r.position_m);
+    receiver_sigma_m = std::max(receiver_sigma_m, r.sigma_m.maxCoeff());
+  }
+  const double array_m = site.receivers.empty() ? 0.0 : receivers.diagonal().norm();
+  if (array_m > 0 && receiver_sigma_m < kKnownScale * array_m) return {};
+  std::size_t placed = 0;
+  for (const SiteBeacon& b : site.beacons)
+    placed +=
+        b.position_m[0] && b.position_m[1] &&
+        std::max(b.sigma_m[0].value_or(INFINITY), b.sigma_m[1].value_or(INFINITY)) < kKnownScale * range_m;
+  if (placed >= 2) return {};
+  for (const MeasurementLog& run : problem.runs)
+    if (!run.odometry.empty() || run.poses.size() >= 2) return {};
+  return WeakDirection{
+      "speed of sound and overall scale",
+      {parameter_name(parameters::speed(), names_of(site))},
+      INFINITY,
+      INFINITY,
+      "tape the distance between two beacons, or state the temperature and a smaller medium.sigma_mps",
+      true};
 }
 
 Solution refused(WeakDirection direction) {

@@ -5,12 +5,16 @@
 #include <optional>
 
 #include "calib/adjust/estimate.h"
-#include "calib/calibrate.h"
+#include "calib/solution/solution.h"
 
 namespace octant::calib {
 
 /// A solution of which nothing came but the word that it was stopped.
 [[nodiscard]] Solution interrupted_solution();
+
+/// Whether anything fixes the scale: two places that are known, a taped distance, an array or odometry, or
+/// the speed itself, to a tenth. Empty if so, otherwise what is missing.
+[[nodiscard]] std::optional<WeakDirection> missing_scale(const Problem& problem);
 
 /// Nothing is solved, as the data do not determine a direction; what would settle it is said.
 [[nodiscard]] Solution refused(WeakDirection direction);

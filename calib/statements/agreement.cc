@@ -13,7 +13,6 @@
 #include "calib/problem/log_totals.h"
 #include "calib/problem/ranges.h"
 #include "calib/statements/motions.h"
-#include "calib/verdict/observability.h"
 
 namespace octant::calib {
 namespace {

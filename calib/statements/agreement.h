@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "calib/calibrate.h"
+#include "calib/solution/solve_options.h"
 #include "calib/statements/refit.h"
 #include "models/contradiction.h"
 

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "calib/plan/check.h"
 #include "calib/problem/subsample.h"
+#include "calib/statements/suspicions.h"
 
 namespace octant::calib {
 namespace {

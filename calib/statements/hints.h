@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "calib/calibrate.h"
 #include "calib/problem/log_health.h"
+#include "calib/solution/solution.h"
 
 namespace octant::calib {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "calib/calibrate.h"
+#include "calib/solution/solve_options.h"
 #include "calib/statements/refit.h"
 
 namespace octant::calib {

@@ -15,7 +15,6 @@
 #include "calib/statements/refit.h"
 #include "calib/statements/statement.h"
 #include "calib/statements/statement_words.h"
-#include "calib/verdict/observability.h"
 #include "models/changes/chi_square.h"
 
 namespace octant::calib {

@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
+#include "calib/statements/suspicions.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "calib/plan/check.h"
 #include "calib/problem/clock_check.h"
 #include "calib/problem/ranges.h"
 
@@ -118,14 +119,6 @@ std::vector<Finding> suspicions(const Adjusted& f, std::vector<RunHealth>& runs)
     }
   }
   return findings;
-}
-
-std::vector<Finding> suspicions(const Forecast& f, std::vector<RunHealth>& runs) {
-  if (f.solution.beacon_status.empty()) return {};  // nothing was solved
-  const double stride = f.is_subsampled() ? static_cast<double>(f.states) /
-                                                static_cast<double>(std::max<std::size_t>(f.states_used, 1))
-                                          : 1.0;
-  return suspicions(Adjusted{f.subsampled.site, f.solution.state, f.solution.trajectories, stride}, runs);
 }
 
 }  // namespace octant::calib

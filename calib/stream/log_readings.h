@@ -9,13 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include "calib/adjust/over_ranks.h"
 #include "calib/adjust/reject.h"
 #include "calib/problem/ranges.h"
 #include "calib/problem/subsample.h"
 #include "calib/start/approach.h"
 #include "calib/stream/log_findings.h"
 #include "calib/stream/pass_sum.h"
+#include "calib/sums/over_ranks.h"
 #include "models/arrival_source.h"
 #include "models/support/result.h"
 

@@ -4,11 +4,10 @@
 
 #include <vector>
 
-#include "calib/adjust/ranks.h"
 #include "calib/problem/parameters.h"
 #include "calib/problem/problem.h"
 #include "calib/problem/subsample.h"
-#include "calib/stream/chunks/chunk_index.h"
+#include "calib/sums/ranks.h"
 
 namespace octant::calib {
 
@@ -23,12 +22,6 @@ inline constexpr SubsampleOptions kLongLogSubsample = {.instants = 600, .per_bea
 
 /// A problem with evenly spread epochs of a long log, enough of each beacon (see thin).
 [[nodiscard]] Result<Problem> subsample_of(const Problem& problem, int threads = 1);
-/// The same of the stops of a run that is not at hand. Reads the blocks in which those epochs lie; all blocks
-/// once more where a beacon is heard so seldom that they are not enough of it.
-[[nodiscard]] Result<MeasurementLog> subsample_of_stops(std::size_t run, const Site& site,
-                                                        const ArrivalSource& source, const ChunkIndex& index,
-                                                        int threads = 1);
-
 /// Places all states of a long log whose shared parameters are known but for the noise, stops and drives.
 void place_all(const Problem& problem, const ParameterLayout& layout, const SharedState& state,
                const std::vector<bool>& beacon_usable, double suspect_sigmas, const Workers& workers,

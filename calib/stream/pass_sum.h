@@ -6,9 +6,9 @@
 #include <map>
 #include <mutex>
 
-#include "calib/chain/reduced_system.h"
 #include "calib/errors/statistics.h"
-#include "calib/problem/log_buffer.h"
+#include "calib/sums/log_buffer.h"
+#include "calib/sums/reduced_system.h"
 
 namespace octant::calib {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "calib/adjust/tile_sum.h"
-#include "calib/chain/reduced_system.h"
+#include "calib/sums/reduced_system.h"
 
 namespace octant::calib {
 

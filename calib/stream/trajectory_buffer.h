@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "calib/problem/log_buffer.h"
+#include "calib/sums/log_buffer.h"
 #include "models/run.h"
 #include "models/trajectory/trajectory.h"
 

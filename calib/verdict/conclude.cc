@@ -15,6 +15,7 @@
 #include "calib/problem/ranges.h"
 #include "calib/start/label_check.h"
 #include "calib/statements/agreement.h"
+#include "calib/statements/common_errors.h"
 #include "calib/statements/statements.h"
 #include "calib/verdict/datum.h"
 #include "calib/verdict/observability.h"

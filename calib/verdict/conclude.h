@@ -31,13 +31,4 @@ struct Findings {
 void conclude(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
               Findings findings, Solution& solution);
 
-/// Whether the residuals of arrivals that agree (reject.h) say that the noise is not what was assumed: only a
-/// gross departure counts before the rejection. What is left is for NoiseSearch (statistics.h).
-[[nodiscard]] inline bool is_far_off(double agreeing_sigma) {
-  return agreeing_sigma < 0.5 || agreeing_sigma > 1.5;
-}
-
-/// Rounds of rejection.
-inline constexpr int kRejectionRounds = 12;
-
 }  // namespace octant::calib

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "calib/problem/problem.h"
-#include "calib/solution.h"
+#include "calib/solution/solution.h"
 
 namespace octant::calib {
 

@@ -7,7 +7,8 @@
 
 #include "calib/adjust/covariance.h"
 #include "calib/adjust/estimate.h"
-#include "calib/calibrate.h"
+#include "calib/solution/solution.h"
+#include "calib/solution/solve_options.h"
 
 namespace octant::calib {
 
@@ -19,13 +20,5 @@ namespace octant::calib {
 /// tolerance and a beacon or a typical fix (fix_shift.h) is off beyond its own by that.
 [[nodiscard]] Covariance judge(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
                                std::vector<Trajectory>& trajectories, Solution& solution);
-
-/// Whether anything fixes the scale: two places that are known, a taped distance, an array or odometry, or
-/// the speed itself, to a tenth. Empty if so, otherwise what is missing.
-[[nodiscard]] std::optional<WeakDirection> missing_scale(const Problem& problem);
-
-/// Length that a deviation must not exceed: the site's tolerance for beacons, or a twentieth of the typical
-/// range.
-[[nodiscard]] double tolerance_m(const Problem& problem);
 
 }  // namespace octant::calib

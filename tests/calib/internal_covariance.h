@@ -6,7 +6,7 @@
 
 #include "calib/adjust/covariance.h"
 #include "calib/problem/parameters.h"
-#include "calib/solution.h"
+#include "calib/solution/solution.h"
 
 namespace octant::test {
 

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "calib/adjust/ranks.h"
+#include "calib/sums/ranks.h"
 
 namespace octant::test {
 

@@ -11,7 +11,7 @@
 #include "apps/octant/steps/reporting.h"
 #include "apps/octant/text/changes_text.h"
 #include "apps/octant/text/layout.h"
-#include "calib/errors/variances.h"
+#include "calib/solution/variances.h"
 #include "io/deployment/deployment_json.h"
 #include "io/text/atomic_file.h"
 

@@ -10,7 +10,7 @@
 #include "apps/octant/steps/revisiting.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/text/changes_text.h"
-#include "calib/revisit/as_left.h"
+#include "calib/revisit/finished.h"
 #include "io/deployment/deployment_json.h"
 #include "io/text/atomic_file.h"
 

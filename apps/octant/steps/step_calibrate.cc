@@ -15,7 +15,7 @@
 #include "apps/octant/text/layout.h"
 #include "calib/readings/explain.h"
 #include "calib/statements/hints.h"
-#include "calib/stream/streamed.h"
+#include "calib/streamed.h"
 #include "io/site/site_yaml.h"
 #include "io/text/atomic_file.h"
 #include "io/text/bounds.h"

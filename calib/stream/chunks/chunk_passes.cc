@@ -8,14 +8,14 @@
 #include <tuple>
 #include <utility>
 
-#include "calib/adjust/over_ranks.h"
 #include "calib/adjust/reject.h"
 #include "calib/adjust/tile_sum.h"
-#include "calib/chain/reduced_system.h"
 #include "calib/problem/flips.h"
 #include "calib/problem/gates.h"
 #include "calib/stream/long_log.h"
 #include "calib/stream/side_by_side.h"
+#include "calib/sums/over_ranks.h"
+#include "calib/sums/reduced_system.h"
 #include "models/trajectory/solve_states.h"
 #include "models/trajectory/stretches.h"
 

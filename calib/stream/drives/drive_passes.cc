@@ -6,11 +6,11 @@
 #include <tuple>
 
 #include "calib/adjust/node_buffer.h"
-#include "calib/adjust/over_ranks.h"
 #include "calib/adjust/reject.h"
 #include "calib/problem/gates.h"
 #include "calib/stream/long_log.h"
 #include "calib/stream/side_by_side.h"
+#include "calib/sums/over_ranks.h"
 #include "models/trajectory/node_step.h"
 #include "models/trajectory/odometry_path.h"
 #include "models/trajectory/solve_states.h"

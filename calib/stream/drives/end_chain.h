@@ -7,8 +7,8 @@
 #include <Eigen/Core>
 
 #include "calib/chain/chain_reduction.h"
-#include "calib/chain/reduced_system.h"
-#include "calib/problem/log_buffer.h"
+#include "calib/sums/log_buffer.h"
+#include "calib/sums/reduced_system.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {

@@ -21,10 +21,10 @@ TEST(Flips, EpochsThatWereTurnedAreNamed) {
   const calib::Problem problem = problem_of(world);
   const calib::Solution solution = calib::solve(problem, {});
   auto before = calib::epoch_headings_rad(solution.trajectories);
-  EXPECT_TRUE(calib::report_flips(problem, solution.trajectories, before).empty());
+  EXPECT_TRUE(calib::report_flips(problem.site, problem.runs, solution.trajectories, before).empty());
   for (const std::size_t k : {3U, 17U}) before[0][k] += std::numbers::pi;
   before[0][5] += 1.0;  // a rough start, no flip
-  const auto told = calib::report_flips(problem, solution.trajectories, before);
+  const auto told = calib::report_flips(problem.site, problem.runs, solution.trajectories, before);
   ASSERT_EQ(told.size(), 1U);
   EXPECT_THAT(told[0], HasSubstr("2 epochs faced the wrong way"));
   EXPECT_THAT(told[0], HasSubstr(": 3, 17"));

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calib/revisit/as_left.h"
+#include "calib/revisit/finished.h"
 #include "models/simulator/random.h"
 #include "tests/calib/calib_support.h"
 

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "calib/stream/streamed.h"
+#include "calib/streamed.h"
 #include "tests/calib/memory_source.h"
 #include "tests/support/worlds.h"
 

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calib/stream/streamed.h"
+#include "calib/streamed.h"
 #include "tests/calib/calib_support.h"
 #include "tests/calib/memory_source.h"
 

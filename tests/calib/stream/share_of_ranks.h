@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calib/stream/streamed.h"
+#include "calib/streamed.h"
 #include "tests/calib/memory_source.h"
 #include "tests/calib/thread_team.h"
 #include "tests/support/worlds.h"

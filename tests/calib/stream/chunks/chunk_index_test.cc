@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "calib/stream/chunks/chunk_subsample.h"
 #include "calib/stream/long_log.h"
 #include "tests/calib/calib_support.h"
 #include "tests/calib/memory_source.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "calib/solution.h"
+#include "calib/solution/solution.h"
 
 namespace octant::calib {
 

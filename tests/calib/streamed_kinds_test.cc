@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // Stops, drives and all else of one calibration.
-#include "calib/stream/streamed.h"
+#include "calib/streamed.h"
 
 #include <cmath>
 #include <random>

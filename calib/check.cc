@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/plan/check.h"
+#include "calib/check.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "calib/calibrator.h"
-#include "calib/errors/variances.h"
 #include "calib/log/subsampled_log.h"
+#include "calib/solution/variances.h"
+#include "calib/statements/suspicions.h"
 
 namespace octant::calib {
 namespace {
@@ -95,6 +96,14 @@ Forecast forecast(const Problem& whole, const SolveOptions& options,
     f.beacons.push_back(beacon_forecast(whole.site, b, f.solution, variances, usable[b], all.arrivals[b]));
   speed_forecast(f);
   return f;
+}
+
+std::vector<Finding> suspicions(const Forecast& f, std::vector<RunHealth>& runs) {
+  if (f.solution.beacon_status.empty()) return {};  // nothing was solved
+  const double stride = f.is_subsampled() ? static_cast<double>(f.states) /
+                                                static_cast<double>(std::max<std::size_t>(f.states_used, 1))
+                                          : 1.0;
+  return suspicions(Adjusted{f.subsampled.site, f.solution.state, f.solution.trajectories, stride}, runs);
 }
 
 }  // namespace octant::calib

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/errors/variances.h"
+#include "calib/solution/variances.h"
 
 namespace octant::calib {
 

@@ -9,9 +9,11 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
+#include "calib/errors/common_error.h"
 #include "calib/errors/error_model.h"
 #include "calib/errors/reliability.h"
-#include "calib/statements/common_errors.h"
+#include "calib/problem/log_totals.h"
+#include "models/contradiction.h"
 #include "models/deployment.h"
 #include "models/trajectory/shared_state.h"
 #include "models/trajectory/trajectory.h"

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // Sums of systems that touch some of the parameters, against dense matrices of all.
-#include "calib/chain/reduced_system.h"
+#include "calib/sums/reduced_system.h"
 
 #include <algorithm>
 #include <random>

@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "calib/calibrate.h"
+#include "calib/problem/problem.h"
+#include "calib/solution/solution.h"
+#include "calib/solution/solve_options.h"
 #include "models/arrival_source.h"
 
 namespace octant::calib {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/stream/streamed.h"
+#include "calib/streamed.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +15,7 @@
 #include "calib/problem/ranges.h"
 #include "calib/problem/subsample.h"
 #include "calib/stream/chunks/chunk_passes.h"
+#include "calib/stream/chunks/chunk_subsample.h"
 #include "calib/stream/drives/drive_passes.h"
 #include "calib/stream/drives/drive_subsample.h"
 #include "calib/stream/long_log.h"

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // Ranks as threads.
-#include "calib/adjust/over_ranks.h"
+#include "calib/sums/over_ranks.h"
 
 #include <mutex>
 

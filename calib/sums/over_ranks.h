@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "calib/adjust/ranks.h"
-#include "calib/chain/reduced_system.h"
-#include "calib/problem/log_buffer.h"
+#include "calib/sums/log_buffer.h"
+#include "calib/sums/ranks.h"
+#include "calib/sums/reduced_system.h"
 
 namespace octant::calib {
 

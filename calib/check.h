@@ -6,9 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "calib/calibrate.h"
 #include "calib/problem/log_health.h"
+#include "calib/problem/problem.h"
 #include "calib/problem/subsample.h"
+#include "calib/solution/solution.h"
+#include "calib/solution/solve_options.h"
 
 namespace octant::calib {
 
@@ -44,17 +46,6 @@ struct Forecast {
 [[nodiscard]] Forecast forecast(const Problem& whole, const SolveOptions& options = {},
                                 const SubsampleOptions& subsample_options = {});
 
-/// An adjusted log, or an evenly spread part of it.
-struct Adjusted {
-  const Site& site;
-  const SharedState& state;
-  const std::vector<Trajectory>& trajectories;
-  double stride = 1.0;  ///< one of so many stops is there
-};
-
-/// What an adjustment shows of the logs: receivers whose ranges fit the place of another one (exchanged
-/// cables) or no place at all, and jumps of a clock between stops. Jumps are added to the runs' health too.
-[[nodiscard]] std::vector<Finding> suspicions(const Adjusted& adjusted, std::vector<RunHealth>& runs);
 /// What a quick solution shows; nothing where nothing was solved.
 [[nodiscard]] std::vector<Finding> suspicions(const Forecast& forecast, std::vector<RunHealth>& runs);
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/chain/reduced_system.h"
+#include "calib/sums/reduced_system.h"
 
 #include <algorithm>
 #include <iterator>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What is said of recordings before they are calibrated: their health, and the verdict predicted from a part
 // of them.
-#include "calib/plan/check.h"
+#include "calib/check.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "calib/problem/parameters.h"
+#include "calib/sums/ranks.h"
+
+namespace octant::calib {
+
+/// Progress of a calibration: stage in words, iteration within it, cost.
+struct Progress {
+  std::string stage;
+  int iteration = 0;
+  double cost = 0.0;
+  double fraction = 0.0;  ///< 0..1 of the whole, an estimate
+};
+
+struct SolveOptions {
+  int threads = 1;
+  const Ranks* ranks =
+      nullptr;               ///< processes that solve this together, all given the same problem; not owned
+  int max_iterations = 100;  ///< of each stage; the last, which comes to rest, may take four times as many
+  double rejection_sigmas = 4.0;  ///< arrivals beyond this many sigmas are left out in the end
+  int dense_limit = kDenseLimit;  ///< beyond so many shared parameters matrices are sparse
+  bool strict = false;            ///< a single undetermined beacon refuses the whole
+  /// Called between iterations; returning false stops with SolveStatus::kInterrupted.
+  std::function<bool(const Progress&)> on_progress;
+
+  [[nodiscard]] Workers workers() const { return {threads, ranks}; }
+};
+
+}  // namespace octant::calib
