@@ -12,8 +12,9 @@
 namespace octant::survey {
 namespace {
 
-/// A control point that was knocked shows a part of its way in its own delay, and others' places take up no
-/// more than the way: what is so many times as far as the delay says was moved itself.
+/// Ratio of the largest shift that a knocked control point can explain to the shift that its own delay
+/// indicates. The delay shows a part of the shift, and the other positions follow by at most that shift. A
+/// beacon that moved further moved itself.
 constexpr double kWaysOfDelay = 10.0;
 
 /// Shift weighted by its covariance, in the directions that have one.
@@ -50,7 +51,7 @@ std::string without_odometry(const std::string& words) {
   return kept;
 }
 
-/// The same points hold the frame; what else says something of the scale does not move it.
+/// The same points define the frame in both deployments; other observations of the scale do not move it.
 bool same_frame(const Datum& a, const Datum& b) {
   const std::set<std::string> points_a(a.control_points.begin(), a.control_points.end()),
       points_b(b.control_points.begin(), b.control_points.end());
@@ -66,7 +67,7 @@ std::optional<double> chance_of_delay(const Deployment& before, const Deployment
   return std::erfc(std::abs(c.delay_change_s) / c.delay_sigma_s / std::sqrt(2.0));
 }
 
-/// Whether a beacon is one of those that a change of that kind names.
+/// Returns true if a change of that kind names the beacon.
 bool names_beacon(const Changes& changes, ChangeKind kind, const std::string& name) {
   return std::ranges::any_of(changes.found, [&](const Change& c) {
     if (c.kind != kind) return false;
@@ -76,7 +77,7 @@ bool names_beacon(const Changes& changes, ChangeKind kind, const std::string& na
   });
 }
 
-/// What the second visit itself found, of which a deployment keeps no directions.
+/// Findings of the second visit, whose directions a deployment does not store.
 std::vector<Change> found_by_visit(const Deployment& now, const std::vector<Change>& compared,
                                    const std::vector<BeaconChange>& beacons) {
   std::vector<Change> found = now.previous->changes;
@@ -89,8 +90,8 @@ std::vector<Change> found_by_visit(const Deployment& now, const std::vector<Chan
   return found;
 }
 
-/// Shifts that the control points in doubt may explain are told no more. One that is held in both deployments
-/// stands where it was stated, by no datum.
+/// Removes shifts that the control points in doubt may explain. A beacon that is fixed in both deployments is
+/// at its stated position for any datum.
 void put_down_to_datum(const Deployment& now, Changes& changes) {
   double longest_s = 0.0;
   for (const BeaconChange& c : changes.beacons)
@@ -106,8 +107,8 @@ void put_down_to_datum(const Deployment& now, Changes& changes) {
   });
 }
 
-/// What is more than chance; and what a control point that was knocked may explain. It is held, so that its
-/// own delay takes up a part of what it moved, and the others' places the rest.
+/// Marks significant changes, and the changes that a knocked control point may explain. The control point is
+/// fixed, so its own delay absorbs part of its shift, and the other positions absorb the rest.
 void judge(const Deployment& before, const Deployment& now, const Drift& drift, Changes& changes) {
   Comparison comparison = compare(before, now, drift);
   changes.limit_p = kFalseAlarm / static_cast<double>(std::max<std::size_t>(comparison.hypotheses.size(), 1));

@@ -14,8 +14,8 @@ namespace {
 /// reference's end.
 constexpr double kSameInstant_s = 1.0e-6;
 
-/// A vehicle that stands where it stood has not been elsewhere: a reading as a stop begins and one as it
-/// ends.
+/// A vehicle at rest was not elsewhere in between: one reference pose at the beginning of a stop and one at
+/// its end are sufficient.
 bool at_rest(const Pose& a, const Pose& b) {
   constexpr double kMoved_m = 1.0e-3, kTurned_rad = 1.0e-3;
   return (a.translation_m - b.translation_m).norm() < kMoved_m &&
@@ -35,7 +35,7 @@ std::optional<Pose> reference_at(const std::vector<TimedPose>& truth, double tim
 
 struct ErrorOfFix {
   Eigen::VectorXd tangent;           ///< fix less truth, in the tangent space of the motion
-  Eigen::MatrixXd truth_covariance;  ///< of the same
+  Eigen::MatrixXd truth_covariance;  ///< covariance of the truth in the same tangent space
   double position_m = 0.0;
   double heading_rad = 0.0;
 };
@@ -72,8 +72,8 @@ bool has_rotation(const Fix& fix, Motion motion) {
          fix.covariance.diagonal().tail<3>().minCoeff() < 0.99 * kUnknownRotationVariance;
 }
 
-/// Squared Mahalanobis distance over its degrees of freedom; the position's alone where the reference has no
-/// heading, or the fix none.
+/// Squared Mahalanobis distance over its degrees of freedom; of the position only if the reference or the fix
+/// has no heading.
 std::optional<double> nees_over_dof(const Fix& fix, const ErrorOfFix& error, bool heading_known,
                                     Motion motion) {
   if (fix.covariance.rows() < error.tangent.size() || fix.covariance.cols() < error.tangent.size())

@@ -34,7 +34,7 @@ struct Evaluation {
   double position_p95_m = 0.0;
   double max_error_m = 0.0;
   std::vector<double>
-      error_quantiles_m;  ///< of the position errors, from the least to the largest, at most kErrorQuantiles
+      error_quantiles_m;  ///< quantiles of the position errors, ascending, at most kErrorQuantiles
   std::optional<double> heading_rmse_rad;  ///< where the reference has a heading
   std::optional<double> nees_mean;         ///< over its degrees of freedom: 1 for honest covariances
   std::vector<Gate> gates;
@@ -48,18 +48,18 @@ struct ReferencedRun {
   PoseAccuracy truth_accuracy;
 };
 
-/// Error of each fix against the reference interpolated at its time (never beyond its ends, nor over gaps
-/// longer than truth_accuracy.max_gap_s), summarised, held against the site's tolerance. The reference's own
-/// accuracy is added to the fix's covariance in the NEES. Where no fix has a reference the figures are zero
-/// and the gate "matched" fails, so that silence never passes.
+/// Compares each fix with the reference interpolated at its time (never beyond its ends, nor over gaps longer
+/// than truth_accuracy.max_gap_s), and the summary with the site's tolerance. The covariance in the NEES is
+/// the sum of those of the fix and of the reference. If no fix has a reference, the figures are zero and the
+/// gate "matched" fails, so that missing data never pass.
 [[nodiscard]] Evaluation evaluate(const std::vector<Fix>& fixes, const std::vector<TimedPose>& truth,
                                   const PoseAccuracy& truth_accuracy, Motion motion,
                                   const Tolerance& tolerance);
-/// The same over several recordings together.
+/// Compares the fixes of several recordings together.
 [[nodiscard]] Evaluation evaluate(const std::vector<ReferencedRun>& runs, Motion motion,
                                   const Tolerance& tolerance);
 
-/// How far a calibrated beacon stands from a reference deployment's beacon of the same name, in the same
+/// Distance of a calibrated beacon from the beacon of the same name in a reference deployment, in the same
 /// frame.
 struct BeaconError {
   std::string name;

@@ -5,8 +5,8 @@
 namespace octant::survey {
 namespace {
 
-/// What Markdown takes for a list's item or for a rule at a line's beginning: the character that a backslash
-/// undoes. npos: there is none.
+/// Position of the character to escape if the beginning of a line would be a list item or a rule in Markdown;
+/// npos if no character needs it.
 std::size_t markdown_mark(const std::string& text) {
   const std::size_t begin = text.find_first_not_of(" \t\r\n");
   if (begin == std::string::npos) return begin;
@@ -20,7 +20,7 @@ std::size_t markdown_mark(const std::string& text) {
   return item || rule ? at : std::string::npos;
 }
 
-/// What begins markup as an entity, all else as it is.
+/// Replaces characters that begin markup by entities.
 void append_markup(char c, std::string& safe) {
   switch (c) {
     case '&': safe += "&amp;"; break;

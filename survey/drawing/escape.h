@@ -9,7 +9,8 @@ namespace octant::survey {
 /// Text made safe for XML and HTML, in content and in quoted attributes.
 [[nodiscard]] std::string escape_xml(const std::string& text);
 
-/// The same in content alone, for readers that know few entities; quotes and control characters stay.
+/// Escapes text content only, for readers that support few entities; quotes and control characters are
+/// unchanged.
 [[nodiscard]] std::string escape_markup(const std::string& text);
 /// Text that Markdown takes as text.
 [[nodiscard]] std::string escape_markdown(const std::string& text);

@@ -24,7 +24,7 @@ constexpr int kCircle = 28;              // points of one
 constexpr std::size_t kMostLineNames =
     40;  // of more walls or routes the names would hide the map; the pointer still tells them
 
-/// plotly.js reads labels as a kind of HTML, of which it knows few entities.
+/// plotly.js interprets labels as a subset of HTML that supports few entities.
 std::string label(const std::string& text) { return escape_markup(text); }
 
 /// Rounded to a hundred thousandth of the figure's size: more digits only make the page longer.
@@ -218,8 +218,8 @@ void add_beacon_traces(Json& data, const Deployment& d, double exaggeration, dou
     if (!trace["x"].empty()) data.push_back(std::move(trace));
 }
 
-/// All lines of a kind in one trace, parted by gaps; each tells its name at its corners, and shows it at the
-/// first.
+/// All lines of a kind in one trace, separated by gaps. Each line shows its name at its corners; the first
+/// one also as a label.
 Json lines_trace(const std::vector<NamedLine>& lines, const char* kind, const char* dash, double size) {
   Json trace = line_trace(kind, "var(--ink)", dash);
   const bool named = lines.size() <= kMostLineNames;
@@ -244,7 +244,7 @@ Json lines_trace(const std::vector<NamedLine>& lines, const char* kind, const ch
   return trace;
 }
 
-/// Moves as the plan draws them: from where a beacon hung, so many times as far.
+/// Shifts as on the plan: from the earlier position of the beacon, with the same magnification.
 std::vector<NamedLine> move_lines(const PlanInput& plan, double size) {
   std::vector<NamedLine> lines;
   const double factor = move_exaggeration(plan, size);

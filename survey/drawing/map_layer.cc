@@ -56,11 +56,11 @@ std::vector<double> map_classes(const NamedMap& map) {
   std::ranges::copy_if(map.values, std::back_inserter(values), [](double v) { return std::isfinite(v); });
   if (values.empty()) return {};
   std::ranges::sort(values);
-  // What is far beyond the rest would take all classes for itself.
+  // Extreme values would otherwise occupy all classes.
   const double low = values.front();
   double high = values[static_cast<std::size_t>(0.95 * static_cast<double>(values.size() - 1))];
   if (!(high > low)) return {};
-  // Differences that nobody would notice should not be given all colours.
+  // Irrelevant differences should not use the whole range of colours.
   if (low > 0) high = std::max(high, kLeastRatio * low);
   std::vector<double> limits;
   const double classes = static_cast<double>(kMapColours.size());
@@ -76,7 +76,7 @@ std::string map_layer_svg(const NamedMap& map, std::size_t index, const PlanFram
   if (map.columns == 0) return svg + "</g>\n";
   const std::string unit = map.unit.empty() ? "" : " [" + map.unit + "]";
   const auto& colours = map.tolerance ? kToleranceColours : kMapColours;
-  // Which map it is stands where it was chosen; what matters here is the tolerance.
+  // The chooser names the map, so the legend only refers to the tolerance.
   const std::string what = map.tolerance
                                ? fmt::format("against the tolerance of {:.3g} {}", *map.tolerance, map.unit)
                                : map.name + unit;

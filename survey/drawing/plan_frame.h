@@ -14,7 +14,7 @@ namespace octant::survey {
 [[nodiscard]] double round_down(double x);
 
 [[nodiscard]] bool is_drawn(const DeploymentBeacon& beacon);
-/// The beacon of that name; null where there is none, or it is not drawn.
+/// The drawn beacon of that name; null if there is no such beacon or it is not drawn.
 [[nodiscard]] const DeploymentBeacon* drawn_beacon(const Deployment& deployment, const std::string& name);
 
 inline constexpr double kPlanWidth_px = 900.0, kPlanMargin_px = 46.0;

@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kLegendRow_px = 24.0;
 
-// Colours are spelled out twice, as few programs but browsers know CSS variables. Marks differ in shape, not
-// in colour alone.
+// Colours are written twice, because few programs except browsers support CSS variables. Marks differ in
+// shape, not only in colour.
 constexpr const char* kPlanStyle = R"(<style>
 .plan text{font:12px system-ui,sans-serif;fill:#1b2733}.plan .name{font-weight:600;paint-order:stroke;stroke:#fff;stroke-width:3px}
 .plan .paper{fill:#fff}.plan .grid{stroke:#d9dfe5}.plan .area{fill:#eef5ee;stroke:#5f7d69;stroke-dasharray:5 4}
@@ -117,7 +117,7 @@ std::string mark(BeaconStatus status, double x, double y) {
   return fmt::format("<circle class='beacon' cx='{:.1f}' cy='{:.1f}' r='5'/>", x, y);
 }
 
-/// Too many to be told apart: where they are, and no more.
+/// Too many beacons to distinguish: draws their positions only.
 template <class Project>
 void draw_dots(std::string& svg, const Deployment& deployment, const PlanFrame& frame, Project&& project) {
   std::string path;
@@ -136,7 +136,7 @@ void draw_beacons(std::string& svg, const Deployment& deployment, const PlanFram
     if (!is_drawn(beacon)) continue;
     const Eigen::Vector2d p = project(beacon.position_m);
     const double x = frame.x(p.x()), y = frame.y(p.y());
-    // At the right edge names stand on the left of their marks.
+    // At the right edge, names are to the left of their marks.
     const bool left = x > kPlanWidth_px - 2.2 * kPlanMargin_px;
     svg += mark(beacon.status, x, y) + fmt::format("<text class='name' x='{:.1f}' y='{:.1f}'{}>{}</text>\n",
                                                    left ? x - 9 : x + 9, y - 7,
@@ -186,7 +186,7 @@ void draw_misses(std::string& svg, const PlanInput& input, const PlanFrame& fram
                          miss_class(miss), frame.x(miss.at_m.x()), frame.y(miss.at_m.y()),
                          frame.x(beacon->position_m.x()), frame.y(beacon->position_m.y()),
                          std::min(4.0, std::sqrt(static_cast<double>(miss.count()))));
-    // Those of one place stand together.
+    // Misses at one position are listed together.
     if (places.empty() || places.back().at_m != miss.at_m) places.push_back({miss.at_m});
     places.back().count += miss.count();
     most = std::max(most, places.back().count);
@@ -256,7 +256,7 @@ double draw_legend(std::string& svg, const PlanInput& input, const PlanFrame& fr
   return (input.misses.empty() ? 2 : 3) * kLegendRow_px;
 }
 
-/// Of the drawn beacons' places in the plane; 0: nothing is said of any.
+/// Largest variance of the drawn beacons' positions in the plane; 0 if no variance is known.
 double largest_variance_m2(const Deployment& deployment) {
   double largest_m2 = 0.0;
   for (const auto& beacon : deployment.beacons)

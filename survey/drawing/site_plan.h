@@ -22,17 +22,17 @@ inline constexpr double kEllipse95 = 2.4477;
 struct Track {
   bool moving = false;
   std::vector<Eigen::Vector3d> points_m;
-  std::size_t thinned_from = 0;  ///< so many points there were; 0: all are here
+  std::size_t thinned_from = 0;  ///< number of points before thinning; 0: not thinned
 };
 
-/// A figure over the site on a regular grid, of which a plan shows one at a time.
+/// A quantity over the site on a regular grid; a plan shows one grid at a time.
 struct NamedMap {
   std::string name;                ///< "HDOP", "expected error of a fix"
   std::string unit;                ///< "mm"; empty: a ratio
-  Eigen::Vector2d corner_m{0, 0};  ///< of the first cell, lower left
+  Eigen::Vector2d corner_m{0, 0};  ///< lower left corner of the first cell
   double cell_m = 1.0;
   std::size_t columns = 0;
-  std::vector<double> values;    ///< row by row from below; NaN: nothing there; infinity: no fix
+  std::vector<double> values;    ///< row by row from below; NaN: no value; infinity: no fix
   std::string silent_beacon{};   ///< crossed out while this map is shown
   std::vector<double> limits{};  ///< between classes, where several maps are to be compared; empty: its own
   std::optional<double> tolerance{};  ///< colours say where the values lie against it: inside, near, beyond
@@ -45,7 +45,7 @@ struct NamedLine {
   bool closed = false;
 };
 
-/// How a beacon moved since an earlier deployment.
+/// Shift of a beacon since an earlier deployment.
 struct PlanMove {
   std::string beacon;
   Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< new less old
@@ -54,16 +54,16 @@ struct PlanMove {
 /// Arrivals of a beacon that were left out while the vehicle stood (or drove) at a place.
 struct PlanMiss {
   std::string beacon;
-  Eigen::Vector2d at_m{0, 0};  ///< of the vehicle
+  Eigen::Vector2d at_m{0, 0};  ///< position of the vehicle
   std::size_t late = 0, early = 0, other = 0;
   [[nodiscard]] std::size_t count() const { return late + early + other; }
 };
 
-/// What is drawn on the plan.
+/// Content of a plan.
 struct PlanInput {
   Deployment deployment;
-  std::vector<Track> tracks;             ///< of the calibration
-  std::vector<Eigen::Vector3d> fixes_m;  ///< of a run that was localized; may be empty
+  std::vector<Track> tracks;             ///< trajectories of the calibration
+  std::vector<Eigen::Vector3d> fixes_m;  ///< fixes of a localized run; may be empty
   std::vector<NamedMap> maps;
   std::vector<PlanMove> moves{};   ///< arrows to where beacons hang now
   std::vector<PlanMiss> misses{};  ///< lines from the vehicle to the beacon
@@ -74,10 +74,10 @@ struct PlanInput {
 /// A plan shows no more marks of a kind than this; more would not be seen.
 inline constexpr std::size_t kMaxMarks = 2000;
 
-/// Of more beacons than this a drawing shows dots alone: names and ellipses would hide each other.
+/// Above this number of beacons, drawings show dots only: names and ellipses would overlap.
 inline constexpr std::size_t kMostNamed = 300;
 
-/// Of some points every so-many-th, so that no more than kMaxMarks are left.
+/// Thins a list of points evenly to at most kMaxMarks.
 [[nodiscard]] std::vector<Eigen::Vector3d> thinned(const std::vector<Eigen::Vector3d>& points_m);
 
 /// By how much error ellipses are drawn larger than they are, so that the largest is some 5 % of the plan: 1,

@@ -10,9 +10,9 @@
 
 namespace octant::survey {
 
-/// What a survey looked at, as a plan draws it: floor, walls that stop sound, routes, beacons, and some of
-/// its maps. Lengths are in millimetres, as tolerances are spoken of.
-/// @param most_bins  along the longer side; a bin holds the worst of its cells
+/// Plan of a survey: floor, walls that block sound, routes, beacons, and some of the maps. Lengths are in
+/// millimetres, as tolerances usually are.
+/// @param most_bins  along the longer side; a bin has the worst value of its cells
 [[nodiscard]] PlanInput survey_plan(const Survey& survey, const std::vector<const FloorMap*>& maps,
                                     std::size_t most_bins);
 

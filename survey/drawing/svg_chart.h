@@ -19,7 +19,7 @@ namespace octant::survey {
 [[nodiscard]] std::string residual_chart_svg(const ResidualChart& chart);
 /// Counts against those that a standard normal distribution would give.
 [[nodiscard]] std::string histogram_svg(const Histogram& histogram);
-/// Which share of the fixes is closer to the reference than so much.
+/// Cumulative distribution of the position errors of fixes.
 [[nodiscard]] std::string error_curve_svg(const std::vector<double>& quantiles_m,
                                           const std::optional<double>& limit_m);
 

@@ -15,8 +15,8 @@ namespace {
 /// Tiles that a thread takes at once, so that it needs few scratch pads.
 constexpr std::size_t kTilesAtOnce = 16;
 
-/// Calls work(tile, first) for each tile of the poses, on threads; every call of one stretch has the same
-/// scratch.
+/// Calls work(tile, first) for each tile of the poses, on several threads. Calls of one block of tiles share
+/// their scratch memory.
 template <class Scratch, class Work>
 void for_each_tile(const KernelModel& kernel, const std::vector<WallPiece>& walls, const PoseList& poses,
                    int threads, Work&& work) {
@@ -42,7 +42,7 @@ struct LayerScratch {
   alignas(64) double heard[kTilePoses];
 };
 
-/// Of integrity, which costs the most.
+/// Integrity, which needs most of the time.
 bool is_integrity(std::size_t figure) {
   return figure == kDetectableBias || figure == kFaultShift || figure == kProtection;
 }

@@ -13,7 +13,7 @@
 
 namespace octant::survey {
 
-/// Poses at which a geometry is looked at; all lists are of one length.
+/// Poses at which a geometry is evaluated; all lists have the same length.
 struct PoseList {
   std::vector<double> x_m, y_m, z_m, heading_rad;  ///< z of the vehicle's frame
   [[nodiscard]] std::size_t size() const { return x_m.size(); }
@@ -25,9 +25,9 @@ struct PoseList {
 inline constexpr double kNoFix =
     std::numeric_limits<double>::infinity();  ///< in place of a dilution (beyond 10,000 too) or a sigma
 
-/// What a geometry gives at each pose. Dilutions are sigmas of the pose by a range sigma of 1 m, all ranges
-/// alike, an arrival a row; with receivers' arrays several arrivals come from one beacon. kNoFix where what
-/// is heard does not determine the pose.
+/// Quantities at each pose. Dilutions are sigmas of the pose for a range sigma of 1 m of all ranges, one row
+/// for each arrival; with an array of receivers, several arrivals come from one beacon. kNoFix if the
+/// received beacons do not determine the pose.
 enum Figure : std::size_t {
   kHdop,
   kVdop,  ///< spatial motion; else 0
@@ -44,7 +44,7 @@ enum Figure : std::size_t {
   kSigmaHeading,
   kShiftBySpeed,  ///< horizontal shift of the fix by a relative error of the speed of 1 [m]: times sigma_c /
                   ///< c it is the speed's part
-  kCovarianceXy,  ///< beside kSigmaX and kSigmaY [m2]
+  kCovarianceXy,  ///< covariance of x and y, for kSigmaX and kSigmaY [m2]
   /// Integrity, for planning (of a fix: models/localizers/common/separation.h): largest bias of one beacon's
   /// ranges that stays unnoticed (0.1 %, power 80 %), by how much such a bias moves the fix at worst, and the
   /// horizontal protection level with the arrivals' noise [m]; kNoFix where a beacon's fault could not be
@@ -52,19 +52,18 @@ enum Figure : std::size_t {
   kDetectableBias,
   kFaultShift,
   kProtection,
-  kBeacons,   ///< heard
-  kArrivals,  ///< heard
+  kBeacons,   ///< number received
+  kArrivals,  ///< number received
   kFigures
 };
-/// Of each Figure its values, pose by pose; empty where it was not asked for.
+/// Values of each Figure, pose by pose; empty if it was not requested.
 using GeometryFigures = std::array<std::vector<double>, kFigures>;
 
-/// What a beacon tells at each pose: the packed upper triangle of its information on the unknowns, entry by
-/// entry (entry e of pose i at e * poses + i), weighted by the ranges' noise. Layers of several beacons add
-/// up.
+/// Information of a beacon on the unknowns at each pose, weighted by the noise of the ranges: the packed
+/// upper triangle, entry by entry (entry e of pose i at e * poses + i). Layers of several beacons add up.
 struct BeaconLayer {
   std::vector<double> information;
-  std::vector<std::uint8_t> heard;  ///< 1: heard by at least one receiver
+  std::vector<std::uint8_t> heard;  ///< 1: received by at least one receiver
 };
 
 struct MapOptions {
@@ -76,7 +75,7 @@ struct MapOptions {
 [[nodiscard]] GeometryFigures evaluate_poses(const SurveyModel& model, const PoseList& poses,
                                              const MapOptions& options = {});
 
-/// Who is heard where: one row of poses for each beacon, 1 where at least one receiver hears it.
+/// Audibility: one row of poses for each beacon, 1 if at least one receiver receives it.
 [[nodiscard]] std::vector<std::vector<std::uint8_t>> heard_at(const SurveyModel& model, const PoseList& poses,
                                                               int threads = 1);
 
@@ -86,8 +85,8 @@ struct MapOptions {
 [[nodiscard]] BeaconLayer beacon_layer(const SurveyModel& model, const SurveyBeacon& beacon,
                                        const PoseList& poses, int threads = 1);
 
-/// Expected horizontal standard deviation at each pose [m], of the sum of the layers' information (laid out
-/// as BeaconLayer::information); kNoFix where there is no fix. Nothing is allocated.
+/// Expected horizontal standard deviation at each pose [m] for the sum of the layers' information (stored as
+/// BeaconLayer::information); kNoFix where no fix is possible. Allocates no memory.
 void sigma_of_information(const Unknowns& unknowns, std::span<const double> information,
                           std::span<double> sigma_m);
 

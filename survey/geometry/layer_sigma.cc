@@ -35,7 +35,7 @@ HWY_INLINE V horizontal_sigma(V* A, const V* before) {
   const Mask good = (xx > kSingular * before[0]) & (determinant > kSingular * before[1] * xx);
   sound = sound & good;
   const V square = (xx + yy) / select(sound, determinant, 1.0);
-  // As many ranges as there were, of their mean weight: the square of the dilution times their number.
+  // The number of ranges, with their mean weight: the square of the dilution times their number.
   sound = sound & (square * (before[0] + before[1]) < 10 * kWorstDilution * kWorstDilution);
   return select(sound, sqrt(max(square, 0.0)), kNever);
 }

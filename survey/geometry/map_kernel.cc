@@ -16,7 +16,7 @@ namespace HWY_NAMESPACE {
 
 constexpr double kNonCentrality = 4.13;  ///< 3.29 + 0.84: 0.1 %, power 80 %
 constexpr double kNoise = 3.29;
-constexpr double kUnnoticed = 1e-6;  ///< of a beacon's own information
+constexpr double kUnnoticed = 1e-6;  ///< relative to the information of the beacon
 
 template <int kPosition, int kRotation, bool kClock>
 class Tile {

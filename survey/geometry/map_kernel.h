@@ -14,12 +14,12 @@ namespace octant::survey {
 
 inline constexpr std::size_t kMapLanes = 8;      ///< poses side by side; narrower machines take them in turns
 inline constexpr std::size_t kTilePoses = 512;   ///< at most, of one call
-inline constexpr std::size_t kGainSteps = 4096;  ///< of a gain table over the cosine from -1 to 1
+inline constexpr std::size_t kGainSteps = 4096;  ///< entries of a gain table over the cosine from -1 to 1
 
 /// A transducer in flat numbers: beacon in the map, receiver in the vehicle's frame.
 struct KernelTransducer {
   double p_m[3] = {}, axis[3] = {};
-  double least_cosine = -2.0;    ///< below it nothing is heard; -2: all round
+  double least_cosine = -2.0;    ///< no reception below this cosine; -2: in all directions
   const double* gain = nullptr;  ///< kGainSteps + 1 values over the cosine; null: 1
 };
 
@@ -34,12 +34,12 @@ struct KernelModel {
   std::vector<KernelTransducer> beacons, receivers;
   std::vector<std::vector<double>> gains;  ///< one for each pattern that is not a cone
   double reach_m = 0.0, amplitude_1m_v = 0.0, threshold_v = 0.0, absorption_np_per_m = 0.0;
-  double constant_m2 = 0.0, per_m2 = 0.0, per_sqrt_m2 = 0.0;  ///< of the ranges' variance
+  double constant_m2 = 0.0, per_m2 = 0.0, per_sqrt_m2 = 0.0;  ///< coefficients of the ranges' variance
 };
 
-/// Poses of one call, padded to kMapLanes beyond `count`, and the walls that may stand between them and each
-/// beacon: those of beacon b are walls[wall_first[b]] to walls[wall_first[b + 1]]. A beacon that nobody here
-/// hears has `skip` set.
+/// Poses of one call, padded to kMapLanes beyond `count`, and the walls that may block their paths: walls
+/// [wall_first[b], wall_first[b + 1]) belong to beacon b. `skip` is set for a beacon that no pose of the tile
+/// receives.
 struct KernelTile {
   std::size_t count = 0;
   alignas(64) double x_m[kTilePoses], y_m[kTilePoses], z_m[kTilePoses], cosine[kTilePoses], sine[kTilePoses];
@@ -55,14 +55,14 @@ struct KernelFigures {
 struct KernelWork {
   std::vector<double> of_beacon;  ///< scratch
   std::vector<std::uint8_t>
-      heard_bits;  ///< out: bit i % 8 of byte b * kTilePoses / 8 + i / 8: beacon b is heard at pose i
+      heard_bits;  ///< out: bit i % 8 of byte b * kTilePoses / 8 + i / 8 is set if pose i receives beacon b
 };
 
 /// All figures of a tile. Integrity's stay untouched where it is not asked for.
 void map_tile(const KernelModel& model, const KernelTile& tile, bool integrity, KernelWork& work,
               KernelFigures& figures);
 
-/// Information of beacon `beacon` alone at a tile's poses: entry e of pose i at e * kTilePoses + i; heard: 0
+/// Information of beacon `beacon` at the poses of a tile: entry e of pose i at e * kTilePoses + i; heard: 0
 /// or 1.
 void layer_tile(const KernelModel& model, const KernelTile& tile, std::size_t beacon, double* information,
                 double* heard);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Private to survey/: paths between beacons and receivers, as many poses side by side as a vector has lanes.
-// Compiled once for each instruction set, within map_kernel.cc.
+// Private to survey/: paths between beacons and receivers for as many poses as a vector has lanes. Compiled
+// once for each instruction set, within map_kernel.cc.
 #if defined(OCTANT_SURVEY_GEOMETRY_MAP_PATH_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OCTANT_SURVEY_GEOMETRY_MAP_PATH_INL_H_
 #undef OCTANT_SURVEY_GEOMETRY_MAP_PATH_INL_H_
@@ -24,7 +24,7 @@ using V = Vector;
 
 constexpr double kMinDistanceM = 1e-6;
 
-/// Poses of as many lanes as a vector has.
+/// Poses, one in each lane of a vector.
 struct Poses {
   V x, y, z, cosine, sine;
 };
@@ -45,7 +45,7 @@ HWY_INLINE V gain_of(const double* table, V cosine) {
   return (at - V(hn::ConvertTo(d, step))) * (high - low) + low;
 }
 
-/// One path from a beacon to a receiver: unit vector towards the receiver, length, and who hears.
+/// Path from a beacon to a receiver: unit vector towards the receiver, length, and the lanes that receive it.
 struct Path {
   V ux, uy, uz, distance;
   V lx, ly;  ///< lever arm turned into the map

@@ -94,8 +94,8 @@ bool cannot_stand_between(const WallPiece& wall, const Vector2d& beacon,
   return false;
 }
 
-/// What a piece of wall hides from a beacon is convex: where it hides all corners of the room, it hides the
-/// room.
+/// The region that a piece of wall hides from a beacon is convex: if it contains all corners of the room, it
+/// contains the room.
 bool hides(const WallPiece& wall, const KernelTransducer& beacon, const std::array<Vector2d, 4>& corners,
            const TileBox& box) {
   const Vector2d b(beacon.p_m[0], beacon.p_m[1]), along = wall.to_m - wall.from_m;

@@ -20,7 +20,7 @@ namespace HWY_NAMESPACE {
 using namespace octant::HWY_NAMESPACE;  // NOLINT(google-build-using-namespace): this instruction set's
 using V = Vector;
 
-constexpr double kSingular = 1e-10;     ///< of a pivot against its diagonal
+constexpr double kSingular = 1e-10;     ///< smallest ratio of a pivot to its diagonal element
 constexpr double kWorstDilution = 1e4;  ///< beyond it a geometry is singular to rounding, or as good as
 constexpr double kNever = std::numeric_limits<double>::infinity();
 

@@ -24,7 +24,7 @@ std::string three_digits(double value) {
 
 std::string length_text(double length_m) {
   const double size_m = std::abs(length_m);
-  // Of 999.5 mm and more three digits are 1000 mm.
+  // 999.5 mm and more round to 1000 mm with three digits.
   const Unit unit = length_unit(size_m >= 0.9995 && size_m < 1.0 ? 1.0 : size_m);
   return three_digits(unit.per_si * length_m) + " " + unit.name;
 }

@@ -13,7 +13,7 @@ namespace octant::survey {
 namespace {
 
 using Points = std::vector<Eigen::Vector2d>;
-constexpr std::size_t kMostCorners = 20000;  ///< every side is held against every other
+constexpr std::size_t kMostCorners = 20000;  ///< each side is compared with each other
 
 tl::unexpected<Error> bad(const Scene& scene, int line, std::string found, std::string expected,
                           std::string advice = "") {

@@ -8,14 +8,14 @@
 
 namespace octant::survey {
 
-/// How far outside the floor's outline, or within a wall, a beacon may stand: plans and beacons are not from
-/// one tape measure.
+/// Largest distance of a beacon outside the floor's outline or within a wall: plans and beacons are usually
+/// not measured together.
 inline constexpr double kOutside_m = 0.25;
 
-/// Errors, with the element's name and line: a floor or an obstacle with fewer than three corners, without
-/// area, or crossing itself; walls, mounts and routes without length or height; routes outside the floor; a
-/// cell size that is not positive; numbers that are not finite; patterns whose angles do not rise or that
-/// hear nothing.
+/// Errors, with the name and line of the element: a floor or obstacle with fewer than three corners, without
+/// area, or with crossing sides; walls, mounts and routes without length or height; routes outside the floor;
+/// a cell size that is not positive; numbers that are not finite; patterns whose angles do not increase or
+/// that never receive.
 [[nodiscard]] Result<void> check_scene(const Scene& scene);
 
 /// Errors: a beacon outside the floor or within something solid. @param sigma_m  of each beacon's place,

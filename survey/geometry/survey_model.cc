@@ -18,18 +18,18 @@ namespace {
 
 constexpr double kMarginM = 2.0;  ///< round beacons in a line, whose hull has no area
 
-/// What site and deployment say, alike: what goes into the model as it is, and what the model's rest is made
-/// of with the scene.
+/// Content of a site or of a deployment in common form: the part that enters the model directly, and the
+/// input from which the rest is built together with the scene.
 struct SiteOrDeployment {
   SurveyModel model;
   Ranging ranging = Ranging::kOneWay;
   Noise noise;
   std::optional<AttenuationModel> attenuation;
   double max_range_m = std::numeric_limits<double>::infinity();
-  std::optional<double> heard_m;  ///< how far the calibration heard
-  std::vector<double> sigma_m;    ///< of each beacon's place
+  std::optional<double> heard_m;  ///< largest range of the calibration
+  std::vector<double> sigma_m;    ///< sigma of each beacon's position
   std::vector<std::string> left_out;
-  std::vector<double> hearing_cosine;  ///< of each receiver with an axis
+  std::vector<double> hearing_cosine;  ///< smallest cosine at which each receiver with an axis received
   std::vector<Eigen::Vector2d> area_m;
 };
 
@@ -45,7 +45,7 @@ Result<void> apply_acoustics(const SiteOrDeployment& common, const Scene& scene,
   hearing.range_m = std::min(a.range_m.value_or(std::numeric_limits<double>::infinity()), common.max_range_m);
   hearing.amplitude_1m_v = a.amplitude_1m_v.value_or(attenuation ? attenuation->amplitude_1m_v : 0.0);
   hearing.threshold_v = a.threshold_v.value_or(attenuation ? attenuation->threshold_v : 0.0);
-  // What is stated of range or threshold says more than what was seen.
+  // A stated range or threshold takes precedence over the largest observed range.
   if (!std::isfinite(hearing.range_m) && !(hearing.threshold_v > 0) && common.heard_m)
     hearing.range_m = *common.heard_m;
   if (a.absorption_np_per_m) {
@@ -72,8 +72,8 @@ std::size_t add_pattern(BeamPattern pattern, SurveyModel& model) {
   return index;
 }
 
-/// How a receiver hears that the scene says nothing of: as calibrated, else as widely as calibration has
-/// heard.
+/// Pattern of a receiver that the scene does not describe: as calibrated, or else as wide as the calibration
+/// observed.
 std::size_t pattern_of_receiver(const SiteOrDeployment& common, double hearing_cosine, SurveyModel& model) {
   BeamPattern pattern;
   if (common.attenuation && common.attenuation->directional() && model.hearing.threshold_v > 0) {

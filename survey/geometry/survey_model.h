@@ -41,12 +41,12 @@ struct WallPiece {
 /// A(d) = A_1m / d exp(-alpha d) times both gains, against the threshold; and never beyond range_m.
 struct Hearing {
   double amplitude_1m_v = 0.0,
-         threshold_v = 0.0;  ///< threshold 0: heard up to range_m wherever both gains are above zero
+         threshold_v = 0.0;  ///< threshold 0: received up to range_m wherever both gains are above zero
   double absorption_np_per_m = 0.0;
   double range_m = std::numeric_limits<double>::infinity();
 };
 
-/// Of one range: sigma^2 = constant^2 + per_m^2 d^2 + per_sqrt_m^2 d.
+/// Variance of one range: sigma^2 = constant^2 + per_m^2 d^2 + per_sqrt_m^2 d.
 struct RangeNoise {
   double constant_m = 0.0, per_m = 0.0, per_sqrt_m = 0.0;
   [[nodiscard]] bool grows() const { return per_m != 0.0 || per_sqrt_m != 0.0; }
@@ -56,16 +56,16 @@ struct RangeNoise {
   }
 };
 
-/// The unknowns of a fix, in this order: x, y, z (spatial motion), rotation (heading, or three in the
-/// vehicle's frame), the clock's offset in metres. Rotations are unknowns where the receivers can tell them:
-/// planar with two receivers that stand apart, spatial with three that span a plane. Where they cannot, a fix
-/// is that of the receivers.
+/// Unknowns of a fix, in this order: x, y, z (spatial motion), rotation (heading, or three in the vehicle's
+/// frame), the clock's offset in metres. Rotations are unknowns if the receivers can determine them: two
+/// separate receivers in planar motion, three that span a plane in spatial motion. Otherwise a fix is the
+/// position of the receivers.
 struct Unknowns {
   int position = 2;  ///< 2 or 3
   int rotation = 0;  ///< 0, 1 (planar) or 3 (spatial)
   bool clock = false;
   [[nodiscard]] int count() const { return position + rotation + (clock ? 1 : 0); }
-  /// Of the packed upper triangle of a symmetric matrix, row by row.
+  /// Size of the packed upper triangle of a symmetric matrix, row by row.
   [[nodiscard]] int entries() const { return count() * (count() + 1) / 2; }
 };
 
@@ -77,8 +77,8 @@ struct SurveyModel {
   Clock clock = Clock::kSynchronised;
   std::size_t vehicle = 0;  ///< index in the site or deployment
   Unknowns unknowns;
-  std::vector<SurveyBeacon> beacons;      ///< those whose place is known
-  std::vector<SurveyReceiver> receivers;  ///< of the vehicle that is looked at
+  std::vector<SurveyBeacon> beacons;      ///< beacons with a position
+  std::vector<SurveyReceiver> receivers;  ///< receivers of the vehicle
   std::vector<BeamPattern> patterns;
   std::vector<WallPiece> walls;
   std::vector<Eigen::Vector2d>
@@ -93,17 +93,17 @@ struct SurveyModel {
   std::vector<std::string> warnings;
 };
 
-/// What of a site or a deployment a survey looks at; beacons without a place (or undetermined) are left out
-/// with a warning.
-/// @param vehicle  index; its receivers hear
-/// Errors: no beacon with a place, no receivers; what check_scene finds; a scene's beacon that the site does
-/// not have.
+/// Builds the model of a site or a deployment for a survey. Beacons without a position (or undetermined ones)
+/// are left out with a warning.
+/// @param vehicle  index of the vehicle whose receivers are used
+/// Errors: no beacon with a position, no receivers; the findings of check_scene; a beacon of the scene that
+/// the site does not have.
 [[nodiscard]] Result<SurveyModel> make_survey_model(const Site& site, const Scene& scene,
                                                     std::size_t vehicle = 0);
 [[nodiscard]] Result<SurveyModel> make_survey_model(const Deployment& deployment, const Scene& scene,
                                                     std::size_t vehicle = 0);
-/// The same place without any beacon, for whoever looks for places for all of them. Errors too: the scene has
-/// no floor.
+/// Builds the model without beacons, for searches that place all of them. Further error: the scene has no
+/// floor.
 [[nodiscard]] Result<SurveyModel> make_empty_survey_model(Site site, Scene scene, std::size_t vehicle = 0);
 
 /// The unknowns that receivers at these places allow.

@@ -23,7 +23,7 @@ struct BinnedMap {
   double bin_m = 0.25;
   enum class Bin : std::uint8_t { kOffFloor, kValue, kEmpty };  ///< kEmpty: no fix
   std::vector<Bin> bins;
-  std::vector<double> values;  ///< of kValue bins; 0 elsewhere
+  std::vector<double> values;  ///< values of kValue bins; 0 elsewhere
   bool low_is_bad = false;
   double low = 0.0, high = 1.0;  ///< range of the colours: 0 (or the least) to the limit or the 95 % quantile
   bool against_tolerance = false;  ///< high is the site's tolerance: the colours say inside, near, beyond

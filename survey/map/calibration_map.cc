@@ -14,7 +14,7 @@
 namespace octant::survey {
 namespace {
 
-/// The joint covariance, or what stands for it.
+/// The joint covariance, or its replacement.
 JointCovariance joint_of(const Deployment& d) {
   if (d.covariance.matrix.rows() > 0) return d.covariance;
   JointCovariance joint;

@@ -18,19 +18,24 @@ struct SystematicPart {
   double xx_m2 = 0.0, xy_m2 = 0.0, yy_m2 = 0.0;
 };
 
-/// With D the information of the pose, G its coupling to the calibrated parameters and C their joint
-/// covariance (models/localizers/common/calibration_part.h):   D^-1 G C G' D^-1 Beacons, receivers, delays,
-/// speed and attenuation as the deployment's covariance has them; where it states none, each beacon's own
-/// covariance, its delay's sigma and the speed's, as if independent.
+/// Contribution of the calibration's uncertainty to the covariance of a fix. With D the information of the
+/// pose, G its coupling to the calibrated parameters and C their joint covariance
+/// (models/localizers/common/calibration_part.h):
+///
+///   D^-1 G C G' D^-1
+///
+/// Beacons, receivers, delays, speed and attenuation are as in the deployment's covariance. A deployment
+/// without one has the covariance of each beacon, the sigma of its delay and that of the speed, as if
+/// independent.
 class CalibrationMap {
  public:
   /// @param model  of the same deployment: its beacons are found by name
   CalibrationMap(const Deployment& deployment, const SurveyModel& model);
 
-  /// Nothing is uncertain.
+  /// All parameters are exact.
   [[nodiscard]] bool exact() const { return root_.cols() == 0; }
 
-  /// Of many poses at once: paths[i] are those heard at pose i. Poses without a fix get zeros.
+  /// Covariances of many poses: paths[i] are the received paths at pose i. Poses without a fix get zeros.
   void systematic(const SurveyModel& model, std::span<const std::vector<HeardPath>> paths,
                   std::span<SystematicPart> parts) const;
 
@@ -39,7 +44,7 @@ class CalibrationMap {
               Eigen::Index stride) const;
 
   Eigen::MatrixXd root_;                               ///< C = root root'
-  std::vector<std::array<int, 4>> beacon_, receiver_;  ///< columns of x, y, z, delay; -1: none
+  std::vector<std::array<int, 4>> beacon_, receiver_;  ///< columns of x, y, z, delay; -1: not a parameter
   int site_delay_ = -1, speed_ = -1;
   std::array<int, kAttenuationUnknowns> attenuation_ = {-1, -1, -1, -1};
   std::optional<AttenuationModel> walk_;

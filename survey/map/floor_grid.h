@@ -18,9 +18,8 @@ struct FloorGrid {
   Eigen::Vector2d origin_m = Eigen::Vector2d::Zero();  ///< lower left corner of the first cell
   double cell_m = 0.25;
   std::size_t columns = 0, rows = 0;
-  /// Cells whose centre is on the floor and in nothing solid (row * columns + column), block by block:
-  /// neighbours in this list are neighbours on the floor, so that walls that matter to one matter to the
-  /// next.
+  /// Cells whose centre is on the floor and in no obstacle (row * columns + column), block by block:
+  /// consecutive cells are neighbours, so that the same walls matter to them.
   std::vector<std::uint32_t> cells;
   [[nodiscard]] Eigen::Vector2d centre_m(std::uint32_t cell) const {
     return origin_m + cell_m * Eigen::Vector2d(static_cast<double>(cell % columns) + 0.5,
@@ -29,11 +28,11 @@ struct FloorGrid {
 };
 
 inline constexpr double kMostCells =
-    4e6;  ///< of the rectangle round the floor; some 90 bytes each while surveying
+    4e6;  ///< cells of the rectangle around the floor; some 90 bytes each during a survey
 
-/// Errors, before any memory is taken: more than kMostCells cells. Also: not a single cell on the floor.
+/// Errors, before memory is allocated: more than kMostCells cells; no cell on the floor.
 [[nodiscard]] Result<FloorGrid> make_floor_grid(const SurveyModel& model, const Scene& scene);
-/// The same with another cell size, for whoever needs a coarser look.
+/// Builds the grid with another cell size, for a coarser evaluation.
 [[nodiscard]] Result<FloorGrid> make_floor_grid(const SurveyModel& model, const Scene& scene, double cell_m);
 
 /// Poses at the centres of cells [first, first + count).
@@ -43,8 +42,8 @@ inline constexpr double kMostCells =
   return poses_of(grid, heading_rad, z_m, 0, grid.cells.size());
 }
 
-/// Poses along a polyline, at most a step apart, heading along it; its corners included. As many as this, at
-/// most:
+/// Upper bound of the number of poses_along(), which are at most a step apart and at the corners of the
+/// route, with the heading along it.
 [[nodiscard]] double most_poses_along(const SceneRoute& route, double step_m);
 [[nodiscard]] PoseList poses_along(const SceneRoute& route, double step_m, double z_m = 0.0);
 

@@ -37,13 +37,13 @@ enum MapName : std::size_t {
   kMaps
 };
 
-/// Which maps make sense for this model.
-/// @param route  along a route, where no losses are looked at
+/// Selects the maps that apply to this model.
+/// @param route  along a route, where losses of beacons are not evaluated
 [[nodiscard]] std::vector<bool> wanted_maps(const SurveyModel& model, const Survey& survey,
                                             const SurveyOptions& options, bool route);
 
-/// Those maps with `count` empty values each.
-/// @param by_name  out: of each MapName its map among them, or null
+/// Creates these maps with `count` empty values each.
+/// @param by_name  out: the map of each MapName, or null
 [[nodiscard]] std::vector<FloorMap> make_maps(const std::vector<bool>& wanted, std::size_t count,
                                               const SurveyModel& model, std::vector<FloorMap*>& by_name);
 

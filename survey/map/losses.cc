@@ -106,11 +106,11 @@ void LossAccount::add(const KernelModel& kernel, const KernelTile& tile, const C
       }
       count(before, after, cells, tile.count, pairs_[pair_index(a, b)]);
     }
-    // A second failure need not be of a beacon that is heard.
+    // A second failure may be that of a beacon that is not received here.
     for (std::size_t i = 0; i < tile.count; ++i) cells.two_m[i] = std::max(cells.two_m[i], cells.one_m[i]);
   }
   if (at_once_ < 2) return;
-  // Beside a pair that is nowhere heard here, one of them alone fails: it counts for its pairs too.
+  // If one beacon of a pair is not received here, the failure of the other one alone counts for the pair too.
   for (const std::size_t a : here) {
     sigma_of_packed(unknowns, total_.data(), layers_.data() + a * size, nullptr, kTilePoses, tile.count,
                     after);

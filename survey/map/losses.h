@@ -32,7 +32,7 @@ class LossAccount {
     std::span<const double> other_m2;    ///< variance besides the arrivals' noise: the calibration's
     double tolerance_m = 0.0;            ///< infinity: only fixes count
     std::span<double> one_m, two_m;      ///< out: worst sigma with one, with two beacons gone (noise alone)
-    std::span<std::int32_t> one_beacon;  ///< out: which one; -1: none matters
+    std::span<std::int32_t> one_beacon;  ///< out: index of the beacon; -1: no failure matters
   };
   void add(const KernelModel& kernel, const KernelTile& tile, const Cells& cells);
   void merge(const LossAccount& other);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kToldApart = 45.8;
 constexpr double kHopeless =
-    1e5;  ///< of chi-square a path before any adjustment: off by hundreds of sigmas, no adjustment mends that
+    1e5;  ///< chi-square of a path before adjustment: off by hundreds of sigmas, which no adjustment corrects
 constexpr int kSteps = 12;
 
 struct Line {
@@ -98,7 +98,7 @@ MirrorImage mirror_image(const SurveyModel& model, const PoseAt& pose, const std
     PoseAt there{image.x(), image.y(), pose.z_m, heading + quarter * std::numbers::pi / 2};
     const double chi2 = adjust(model, paths, there);
     const Eigen::Vector2d found(there.x_m, there.y_m);
-    // Back at the true place, or beside the line, it is no second answer.
+    // If the adjustment returns to the true position, or to a point on the line, there is no second answer.
     if (chi2 < kToldApart && normal.dot(found - line.middle) * side_m < 0 && (found - at).norm() > 1e-3)
       return {true, found};
   }

@@ -8,24 +8,23 @@
 
 namespace octant::survey {
 
-/// Where the heard beacons stand (nearly) in a line, the place on its other side explains the ranges (nearly)
-/// as well.
+/// If the received beacons are (nearly) collinear, the mirror image of the position explains the ranges
+/// (nearly) as well.
 struct MirrorImage {
-  bool ambiguous = false;  ///< cannot be told from the true place with 99.9 % certainty
+  bool ambiguous = false;  ///< not distinguishable from the true position with 99.9 % confidence
   Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();  ///< the image, adjusted to the ranges
 };
 
-/// Planar motion only (else never ambiguous): the reflection in the line that fits the heard beacons best,
-/// adjusted to the ranges of the true pose. The fixes' chi-squares differ by q, the image's own, give or take
-/// 2 sqrt(q): with localizers asking for a difference of 4 (models/localizers/least_squares/epoch_fix.h), the
-/// two are told apart at 0.1 % where q - 3.09 * 2 sqrt(q) > 4, q > 45.8.
-///
-/// With the ranges of the image before any adjustment off by hundreds of sigmas, as in most places, no
-/// adjustment makes it fit. This quick look is for one pose after another: what it knows of the last one's
-/// beacons it keeps.
+/// Mirror image of a pose, for planar motion (spatial poses are never ambiguous): the reflection in the line
+/// that fits the received beacons best, adjusted to the ranges of the true pose. The chi-squares of the two
+/// fixes differ by q, that of the image, with a sigma of 2 sqrt(q). Localizers require a difference of 4
+/// (models/localizers/least_squares/epoch_fix.h), so the two are distinguishable at 0.1 % if q - 3.09 * 2
+/// sqrt(q) > 4, which is q > 45.8. At most poses the ranges of the image are off by hundreds of sigmas before
+/// the adjustment, and no adjustment makes it fit. This quick test processes one pose after another and keeps
+/// data about the beacons of the last pose.
 class MirrorFilter {
  public:
-  /// @param heard  beacons heard at the pose, by index
+  /// @param heard  beacons received at the pose, by index
   [[nodiscard]] bool may_have_image(const SurveyModel& model, const PoseAt& pose,
                                     const std::vector<std::size_t>& heard);
 

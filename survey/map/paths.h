@@ -19,7 +19,7 @@ struct HeardPath {
   std::size_t beacon = 0, receiver = 0;
   Eigen::Vector3d unit = Eigen::Vector3d::Zero();  ///< from the beacon to the receiver
   double distance_m = 0.0, weight = 0.0;           ///< 1 / variance of the range
-  double heading_rad = 0.0;                        ///< of the vehicle
+  double heading_rad = 0.0;                        ///< heading of the vehicle
   UnknownsVector row;                              ///< derivative of the range by the unknowns
 };
 
@@ -27,11 +27,11 @@ struct PoseAt {
   double x_m = 0.0, y_m = 0.0, z_m = 0.0, heading_rad = 0.0;
 };
 
-/// Range from a beacon to a receiver and its derivatives, heard or not.
+/// Range from a beacon to a receiver and its derivatives, received or not.
 [[nodiscard]] HeardPath path_between(const SurveyModel& model, std::size_t beacon, std::size_t receiver,
                                      const PoseAt& pose);
 
-/// The paths that are heard at pose i of a tile, beacon by beacon.
+/// The received paths at pose i of a tile, beacon by beacon.
 void heard_paths(const SurveyModel& model, const KernelTile& tile, const PoseAt& pose,
                  std::vector<HeardPath>& paths);
 

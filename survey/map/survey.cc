@@ -246,7 +246,7 @@ void sum_up(const std::vector<FloorMap*>& maps, Survey& survey) {
   }
 }
 
-/// An error of the air's temperature as a relative error of all distances: what is timed at c1 is taken for
+/// An error of the air temperature as a relative error of all distances: times at speed c1 are converted with
 /// c0.
 void set_temperature_error(const SurveyModel& model, const Scene& scene, Survey& survey) {
   const double c0 = octant::speed_mps(model.medium),

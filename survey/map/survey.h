@@ -18,7 +18,7 @@ namespace octant::survey {
 
 struct SurveyOptions {
   int threads = 1;
-  int failures = 2;       ///< how many beacons may fail at once: 0, 1 or 2 (up to 300 beacons)
+  int failures = 2;       ///< number of beacons that may fail at the same time: 0, 1 or 2 (up to 300 beacons)
   bool integrity = true;  ///< detectable biases, protection levels, mirror images
 };
 
@@ -45,38 +45,39 @@ struct RouteSurvey {
   std::string name;
   PoseList poses;
   std::vector<std::vector<std::uint8_t>> heard_bits;  ///< as of Survey
-  std::vector<FloorMap> maps;  ///< the same figures as of the floor, along the poses, failures left out
+  std::vector<FloorMap> maps;  ///< the quantities of the floor along the poses, without failures
   double covered_fraction = 0.0;
 };
 
-/// What a geometry is worth.
+/// Quality of a geometry.
 struct Survey {
   SurveyModel model;
   Scene scene;
   FloorGrid grid;
   std::vector<FloorMap> maps;
   std::vector<RouteSurvey> routes;
-  double fix_fraction = 0.0;  ///< of cells with a fix
+  double fix_fraction = 0.0;  ///< fraction of cells with a fix
   /// With a fix within tolerance.fix_m (noise and calibration; without a tolerance: with a fix) that is not
   /// one of two places.
   double covered_fraction = 0.0;
-  double k_covered_fraction = 0.0;  ///< that hear `coverage` beacons or more
+  double k_covered_fraction = 0.0;  ///< fraction of cells that receive `coverage` beacons or more
   int coverage = 0;
-  double mirror_fraction = 0.0;        ///< with a fix of which a mirror image explains the ranges as well
-  std::vector<double> heard_fraction;  ///< of each beacon: cells that hear it
-  std::vector<std::vector<std::uint8_t>> heard_bits;  ///< of each beacon: bit i % 8 of byte i / 8 for cell i
+  double mirror_fraction =
+      0.0;  ///< fraction of cells with a fix whose mirror image explains the ranges as well
+  std::vector<double> heard_fraction;                 ///< for each beacon, fraction of cells that receive it
+  std::vector<std::vector<std::uint8_t>> heard_bits;  ///< for each beacon: bit i % 8 of byte i / 8 for cell i
   std::vector<Loss> failures, double_failures;
-  std::optional<double>
-      temperature_error_degC;  ///< of the what-if; none where the medium's speed does not depend on it
-  double speed_error = 0.0;    ///< relative error of distances that goes with it
-  bool calibrated = false;     ///< the calibration's part is known
+  std::optional<double> temperature_error_degC;  ///< error of temperature in the what-if; no value if the
+                                                 ///< medium's speed does not depend on it
+  double speed_error = 0.0;                      ///< relative error of distances that goes with it
+  bool calibrated = false;                       ///< the calibration's part is known
 
   /// Cells times headings.
   [[nodiscard]] std::size_t poses() const {
     return grid.cells.size() * static_cast<std::size_t>(scene.headings);
   }
   [[nodiscard]] const FloorMap* find(const std::string& name) const;
-  /// Whether beacon b is heard in the i-th of the grid's cells (at any of the headings).
+  /// Returns true if beacon b is received in the i-th cell of the grid (at any of the headings).
   [[nodiscard]] bool hears(std::size_t b, std::size_t i) const {
     return ((heard_bits[b][i / 8] >> (i % 8)) & 1) != 0;
   }

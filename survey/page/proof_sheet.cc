@@ -21,8 +21,8 @@ struct ProofLine {
   const char* colour;
   const char* dash;
 };
-// Colours of Okabe and Ito, told apart without seeing red and green, and by their dashes without seeing
-// colours.
+// Colours of Okabe and Ito, distinguishable with colour blindness; the dashes are distinguishable without
+// colour.
 constexpr ProofLine kLines[] = {{"plan", &ProofRow::plan, "#0072b2", ""},
                                 {"greedy", &ProofRow::greedy, "#009e73", "6 3"},
                                 {"regular", &ProofRow::regular, "#d55e00", "2 3"},
@@ -30,7 +30,7 @@ constexpr ProofLine kLines[] = {{"plan", &ProofRow::plan, "#0072b2", ""},
 
 constexpr double kProofLeft = 70, kProofTop = 20, kWide = 520, kHigh = 300;
 
-/// Where numbers of beacons and errors stand on the chart.
+/// Converts numbers of beacons and errors to positions on the chart.
 class Chart {
  public:
   explicit Chart(const std::vector<ProofRow>& rows) {

@@ -9,7 +9,7 @@
 
 namespace octant::survey {
 
-/// What so many beacons give, placed by the plan and in other ways.
+/// Result for one number of beacons, placed by the plan and by other methods.
 struct ProofRow {
   std::size_t beacons = 0;
   LayoutFigures plan, greedy, regular, random;
@@ -19,11 +19,11 @@ struct ProofRow {
 }
 
 struct ProofSheetInput {
-  std::string name;      ///< of the site
+  std::string name;      ///< name of the site
   std::string settings;  ///< goal, algorithms, seed: how to get the same again
   std::string created, program;
   std::vector<ProofRow> rows;
-  Placement placement;  ///< that is drawn and listed
+  Placement placement;  ///< placement that is drawn and listed
   std::vector<Eigen::Vector2d> floor_m;
   std::vector<WallPiece> walls;
   std::optional<double> tolerance_m;

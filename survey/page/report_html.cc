@@ -26,7 +26,7 @@ std::string id_of(std::string id) {
   return escape_xml(id);
 }
 
-/// Safe text in which no number stands at the end of a line without its unit.
+/// Escaped text in which no line breaks between a number and its unit.
 std::string running(const std::string& text) {
   static constexpr std::string_view kUnits[] = {"mm", "m",   "m/s",  "s",   "ms", "µs",   "us", "ns",
                                                 "%",  "deg", "degC", "rad", "V",  "Np/m", "Hz", "sigma"};
@@ -53,7 +53,7 @@ std::string marked(const ReportText& cell) {
   return mark + running(cell.text);
 }
 
-/// Within quotes of a style sheet: nothing ends the quotes or the sheet.
+/// Text within quotes of a style sheet: no character ends the quotes or the sheet.
 std::string css_text(std::string_view text) {
   std::string out;
   for (const char c : text) {
@@ -65,8 +65,8 @@ std::string css_text(std::string_view text) {
   return out;
 }
 
-/// A table of so many columns is a card for each row on a phone, where each value has its column's name
-/// beside it.
+/// On a phone, a table with at least this many columns becomes a card for each row, with the name of the
+/// column next to each value.
 constexpr std::size_t kWideTable = 7;
 
 class HtmlWriter {

@@ -9,9 +9,9 @@
 
 namespace octant::survey {
 
-/// A document as one page: headings in order, tables with captions and scopes, drawings with captions, a skip
-/// link; light and dark, A4. Content security policy `default-src 'none'`.
-/// @param plotly  plotly.js as gzip in base64 (plotly_js.h); empty: the page has no script at all
+/// Writes a document as one page: headings in order, tables with captions and scopes, drawings with captions,
+/// a skip link, light and dark colours, A4. The content security policy is `default-src 'none'`.
+/// @param plotly  plotly.js as gzip in base64 (plotly_js.h); empty: the page has no script
 [[nodiscard]] std::string to_html(const ReportDocument& document, std::string_view plotly);
 
 /// Head of a page of ours up to and with <body>: policy, title, style.

@@ -8,8 +8,8 @@
 
 namespace octant::survey {
 
-/// What the tag beside a beacon says to a camera: JSON with the site, the beacon, its position and the
-/// deployment's digest.
+/// Content of a beacon's tag for a camera: JSON with the site, the beacon, its position and the deployment's
+/// digest.
 [[nodiscard]] std::string beacon_tag(const Deployment& deployment, const DeploymentBeacon& beacon,
                                      const std::string& digest);
 
@@ -17,9 +17,9 @@ namespace octant::survey {
 /// for one.
 [[nodiscard]] std::string qr_svg(const std::string& text);
 
-/// Sheets of paper to hang up and to cut: each beacon with its coordinates, its delay and its tag. One page
-/// without a script.
-/// @param digest  of the deployment file, so that a sheet can be told from an older one
+/// Sheets to print and cut out: each beacon with its coordinates, its delay and its tag. One page without a
+/// script.
+/// @param digest  of the deployment file; it distinguishes the sheet from an older one
 [[nodiscard]] std::string site_sheet_html(const Deployment& deployment, const std::string& digest);
 
 }  // namespace octant::survey

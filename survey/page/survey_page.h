@@ -22,8 +22,8 @@ struct SurveyPageInput {
 /// A survey as a document: figures, maps to choose from, failures, routes, firing schedule, what was assumed.
 [[nodiscard]] ReportDocument survey_document(const Survey& survey, const SurveyPageInput& input);
 
-/// That as one self-contained HTML page. @param interactive  with plotly.js inside, where it was at hand when
-/// this was built
+/// Writes the survey as one self-contained HTML page.
+/// @param interactive  with plotly.js, if it was available when the program was built
 [[nodiscard]] std::string survey_html(const Survey& survey, const SurveyPageInput& input,
                                       bool interactive = true);
 

@@ -22,7 +22,7 @@ std::string mirrored_part_of(const Survey& s) {
                                : std::string();
 }
 
-/// How much of the floor is inside, beyond, and without a fix.
+/// Fractions of the floor within the tolerance, beyond it, and without a fix.
 std::string parts_of(const Survey& s) {
   constexpr double kRounded = 1e-9;
   const double beyond = s.fix_fraction - s.covered_fraction - s.mirror_fraction, none = 1 - s.fix_fraction;
@@ -35,7 +35,7 @@ std::string parts_of(const Survey& s) {
   return text + ".";
 }
 
-/// Whether fewer beacons are heard than the scene asks for.
+/// Returns true if fewer beacons are received than the scene requires.
 bool lacks_beacons(const Survey& s) { return s.scene.coverage > 0 && s.k_covered_fraction < kNearlyAll; }
 
 bool reach_is_known(const Survey& s) { return std::isfinite(reach_m(s.model.hearing)); }

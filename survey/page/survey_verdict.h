@@ -10,12 +10,12 @@
 
 namespace octant::survey {
 
-/// What to think of a geometry. Good where no more than one cell in a hundred lacks a fix within the site's
-/// tolerance; not judged where the site states none.
+/// Verdict on a geometry: Good if at most one cell in a hundred has no fix within the site's tolerance; not
+/// judged if the site states no tolerance.
 struct SurveyVerdict {
   Grade grade = Grade::kUnjudged;  ///< kGood, kPoor or kUnjudged
   std::string sentence;            ///< with how much of the floor is inside, beyond, and without a fix
-  std::vector<std::string> next;   ///< what to do about it, most urgent first; never empty
+  std::vector<std::string> next;   ///< actions, most urgent first; never empty
 };
 [[nodiscard]] SurveyVerdict survey_verdict(const Survey& survey);
 

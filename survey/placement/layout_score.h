@@ -12,25 +12,25 @@
 
 namespace octant::survey {
 
-inline constexpr double kMeanShare = 1e-3;  ///< of the mean in what layouts are ranked by
+inline constexpr double kMeanShare = 1e-3;  ///< weight of the mean in the ranking of layouts
 
 class LayoutScore {
  public:
   LayoutScore(SurveyModel model, PoseList poses, const PlacementOptions& options);
 
-  /// The layout's own beacons, and nothing else.
+  /// The beacons of the layout only.
   [[nodiscard]] LayoutFigures of(const std::vector<SurveyBeacon>& beacons);
-  /// What a beacon tells at all poses; sums of layers stand for layouts.
+  /// Information of a beacon at all poses; the sum of layers represents a layout.
   [[nodiscard]] BeaconLayer layer(const SurveyBeacon& beacon) const {
     return beacon_layer(model_, beacon, poses_, options_.threads);
   }
-  /// The objective, and the mean where that cannot tell two layouts apart.
+  /// The objective, and the mean if the objective does not distinguish two layouts.
   [[nodiscard]] static double value(const LayoutFigures& figures) {
     return figures.objective_m + kMeanShare * figures.mean_with_uncovered_m;
   }
 
-  /// What a search goes down on far from the best layout: as if a vague idea of the pose were there already,
-  /// so that each beacon more helps a little everywhere, and a high power mean for the worst cell (the plain
+  /// Objective of a search far from the best layout. It assumes a weak prior of the pose, so that each
+  /// further beacon improves all cells a little, and a high power mean instead of the worst cell (the plain
   /// mean for the goal kMean).
   [[nodiscard]] double soft_value(const std::vector<SurveyBeacon>& beacons);
 
@@ -41,13 +41,13 @@ class LayoutScore {
     void add(const BeaconLayer& layer, int sign = 1);
   };
   [[nodiscard]] Sum no_beacons() const;
-  /// Of a sum and one layer more (none: null).
+  /// Score of a sum and one more layer (null: no further layer).
   [[nodiscard]] double value_with(const Sum& sum, const BeaconLayer* layer, bool soft);
 
   /// Looks at further poses too.
   void add_poses(const PoseList& poses);
   [[nodiscard]] const PoseList& poses() const { return poses_; }
-  /// Error that each pose counts with, of the layout that of() looked at last.
+  /// Error of each pose in the layout that the last call of of() evaluated.
   [[nodiscard]] const std::vector<double>& errors_m() const { return errors_; }
 
  private:

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kStandoffM =
     0.02;                       ///< a beacon's face before its wall, so that the wall is not in its own way
-constexpr double kPoleM = 1.0;  ///< length that a pole counts as beside the walls'
+constexpr double kPoleM = 1.0;  ///< length of a wall to which a pole is equivalent
 constexpr double kHigher = 1e-6;
 
 }  // namespace
@@ -108,7 +108,7 @@ MountLayout MountSpace::grid(std::size_t count) const {
     auto along = static_cast<std::size_t>(std::ceil(piece.length_m / step_m));
     std::vector<double> across = {0.5};
     if (piece.kind == SceneMount::Kind::kCeiling) {
-      // As many places as its perimeter's share, in two dimensions.
+      // Number of positions by the share of the perimeter, in two dimensions.
       const Eigen::Vector2d size = piece.box.sizes();
       const double side_m = std::sqrt(std::max(size.x() * size.y(), 1e-9) / static_cast<double>(along));
       along = static_cast<std::size_t>(std::max(1.0, std::round(size.x() / side_m)));

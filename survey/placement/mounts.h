@@ -34,25 +34,24 @@ class MountSpace {
   [[nodiscard]] const std::string& mount_name(const MountPoint& point) const {
     return pieces_[piece_of(point.along)].name;
   }
-  /// Whether `across` matters anywhere: heights to choose from, or a ceiling.
+  /// Returns true if any mount uses `across`: a range of heights, or a ceiling.
   [[nodiscard]] bool is_wide() const { return wide_; }
 
   /// Evenly spread places, about `count` of them, at the lowest, middle and highest height where there is a
   /// choice.
   [[nodiscard]] MountLayout grid(std::size_t count) const;
-  /// What one would drill without a plan: beacons evenly along the walls at half height (ceilings: in rows
-  /// and columns).
-  /// @param phase  from 0 to 1: where the first stands, in parts of the distance between two
+  /// Regular layout: beacons evenly along the walls at half height (on ceilings in rows and columns).
+  /// @param phase  from 0 to 1: position of the first one, as a fraction of the distance between two
   [[nodiscard]] MountLayout regular(std::size_t count, double phase) const;
   [[nodiscard]] MountLayout random(std::size_t count, Random& draws) const;
 
  private:
-  /// A straight stretch of a wall, a ceiling, or a pole.
+  /// A straight piece of a wall, a ceiling, or a pole.
   struct Piece {
     std::string name;
     SceneMount::Kind kind = SceneMount::Kind::kWall;
     std::vector<Eigen::Vector2d> points_m;  ///< wall: both ends; ceiling: its corners; pole: one
-    Eigen::AlignedBox2d box;                ///< of a ceiling
+    Eigen::AlignedBox2d box;                ///< extent of a ceiling
     double low_m = 0.0, high_m = 0.0;
     Eigen::Vector3d axis = Eigen::Vector3d::Zero();
     double length_m = 0.0;  ///< its share of `along`
@@ -61,7 +60,7 @@ class MountSpace {
   void add(const SceneMount& mount);
 
   std::vector<Piece> pieces_;
-  std::vector<double> ends_;  ///< of each piece in `along`, rising to 1
+  std::vector<double> ends_;  ///< end of each piece in `along`, rising to 1
   double length_m_ = 0.0, ceiling_m_ = 0.0;
   std::size_t pattern_ = kAllRound;
   bool wide_ = false;

@@ -16,7 +16,7 @@
 namespace octant::survey {
 namespace {
 
-constexpr int kPhases = 8;  ///< of the regular layout
+constexpr int kPhases = 8;  ///< phases of the regular layout
 constexpr std::size_t kRandomLayouts = 25;
 constexpr int kSharpenings = 3;
 constexpr int kRefinements = 6;
@@ -61,7 +61,7 @@ LayoutFigures median_random(const SearchSpace& space, std::size_t count, std::ui
   return all[kRandomLayouts / 2];
 }
 
-/// A name that nobody has yet.
+/// A name that is not in use.
 std::string next_name(const SurveyModel& model, std::size_t& number) {
   for (;; ++number) {
     std::string name = fmt::format("B{}", number);
@@ -72,8 +72,8 @@ std::string next_name(const SurveyModel& model, std::size_t& number) {
   }
 }
 
-/// What all searches over one scene share: where beacons may be, and the poses that a search and the stated
-/// figures look at.
+/// Data shared by all searches of one scene: the mounts, and the poses of the search and of the stated
+/// figures.
 struct SearchGround {
   SearchSpace space;
   PoseList coarse, fine;
@@ -127,8 +127,8 @@ std::vector<MountLayout> starts_of(const MountSpace& mounts, std::size_t count,
   return starts;
 }
 
-/// Before the search proper: cells that promising layouts of a quick one leave worst, between the cells that
-/// it looked at.
+/// Before the main search, adds the cells that promising layouts of a quick search leave worst, between the
+/// cells that it evaluated.
 void sharpen(const SearchSpace& space, std::size_t count, LayoutScore& coarse, LayoutScore& fine,
              const PlacementOptions& options) {
   if (options.goal != PlacementGoal::kWorst) return;
@@ -213,7 +213,8 @@ Result<SmallestPlacement> smallest_placement(const SurveyModel& model, const Sce
   const std::size_t kept = space.kept.size();
   if (const auto sound = check_number(model, std::max(most_beacons, std::size_t{1}), options); !sound)
     return fail(sound.error());
-  // Greedy choices tell how many are enough; from there downwards until a search finds none that is.
+  // A greedy choice determines a sufficient number. The number is then decreased until a search finds no
+  // sufficient layout.
   LayoutScore fine(model, ground->fine, options);
   LayoutScore coarse(model, ground->coarse, options);
   const MountLayout greedy = greedy_layout(space, most_beacons - kept, coarse);

@@ -16,10 +16,10 @@
 
 namespace octant::survey {
 
-/// What is made small: the expected horizontal standard deviation of a fix over the floor.
+/// Objective: the expected horizontal standard deviation of a fix over the floor.
 enum class PlacementGoal {
   kWorst,  ///< its largest
-  kP95,    ///< what 95 % of the cells stay below
+  kP95,    ///< 95th percentile of the cells
   kMean
 };
 enum class GlobalAlgorithm { kNone, kCrs2, kDirect, kIsres, kEsch };
@@ -36,20 +36,21 @@ struct PlacementOptions {
   LocalAlgorithm local = LocalAlgorithm::kSbplx;
   std::uint64_t seed = 1;
   bool keep = false;  ///< the model's beacons stay; others are added
-  int coverage = 0;   ///< beacons that each cell has to hear; 0: what a fix needs
-  int restarts = 6;   ///< random layouts from which searches set out, beside greedy and regular ones
-  std::size_t evaluations = 0;     ///< of each algorithm; 0: as many as the number of beacons asks for
-  std::size_t cells = 300;         ///< looked at while searching, about
-  std::size_t final_cells = 8000;  ///< looked at for the figures that are stated, at most about
+  int coverage = 0;   ///< beacons that each cell must receive; 0: as many as a fix needs
+  int restarts = 6;   ///< random layouts from which searches start, in addition to greedy and regular ones
+  std::size_t evaluations = 0;     ///< evaluations by each algorithm; 0: by the number of beacons
+  std::size_t cells = 300;         ///< approximate number of cells during the search
+  std::size_t final_cells = 8000;  ///< approximate largest number of cells for the stated figures
   int threads = 1;
   std::function<bool(double fraction)> on_progress;  ///< false stops with what there is
 };
 
-/// What a layout gives over the floor. Cells without a fix, or with fewer beacons than the coverage asks for,
-/// are not covered; they count as the hall's size times one and what is missing, so that fewer of them are
-/// better.
+/// Quality of a layout over the floor. Cells without a fix, or with fewer beacons than the coverage requires,
+/// are not covered. They count as the size of the hall times one plus the missing number, so that fewer of
+/// them are better.
 struct LayoutFigures {
-  double worst_m = 0.0, p95_m = 0.0, mean_m = 0.0;  ///< of the covered cells' sigmas; 0 where there are none
+  double worst_m = 0.0, p95_m = 0.0,
+         mean_m = 0.0;  ///< sigmas of the covered cells; 0 if there are no such cells
   double covered_fraction = 0.0;
   double objective_m = 0.0;  ///< the goal, uncovered cells included
   double mean_with_uncovered_m = 0.0;
@@ -69,11 +70,11 @@ struct Placement {
   bool interrupted = false;
 };
 
-/// Where to put so many beacons (kept ones included) on the scene's mounts. Greedy choice from a grid of
-/// places, exchanges on that grid until none gains, then NLopt's global and local algorithm from there on the
-/// mounts themselves (S. G. Johnson, The NLopt nonlinear-optimization package); the best of all of them
-/// counts, so that it is never worse than greedy. Deterministic for a seed. Errors: a scene without mounts,
-/// fewer beacons than are kept, a floor without cells.
+/// Places the given number of beacons (kept ones included) on the mounts of the scene: greedy choice from a
+/// grid of positions, exchanges on that grid until none improves the layout, then NLopt's global and local
+/// algorithms on the mounts (S. G. Johnson, The NLopt nonlinear-optimization package). The result is the best
+/// of all, so it is never worse than the greedy one. Deterministic for a seed. Errors: a scene without
+/// mounts, fewer beacons than are kept, a floor without cells.
 [[nodiscard]] Result<Placement> place_beacons(const SurveyModel& model, const Scene& scene,
                                               std::size_t beacons, const PlacementOptions& options);
 
@@ -81,13 +82,13 @@ struct Placement {
 struct SmallestPlacement {
   bool reached = false;
   std::vector<std::pair<std::size_t, LayoutFigures>> tried;
-  Placement placement;  ///< of the smallest number that reaches it, or of the last one tried
+  Placement placement;  ///< placement with the smallest sufficient number, or with the last number tried
 };
 [[nodiscard]] Result<SmallestPlacement> smallest_placement(const SurveyModel& model, const Scene& scene,
                                                            double tolerance_m, std::size_t most_beacons,
                                                            const PlacementOptions& options);
 
-/// What a layout that is there gives, on the cells that a placement states its figures for.
+/// Quality of an existing layout, on the cells for which a placement states its figures.
 [[nodiscard]] Result<LayoutFigures> layout_figures(const SurveyModel& model, const Scene& scene,
                                                    const PlacementOptions& options);
 

@@ -12,13 +12,13 @@ namespace octant::survey {
 namespace {
 
 constexpr std::size_t kGridPlaces = 160;
-constexpr int kSweeps = 20;           ///< of exchanges, at most
-constexpr std::size_t kDescents = 5;  ///< of NLopt's local algorithm, from the best choices
+constexpr int kSweeps = 20;           ///< largest number of sweeps of exchanges
+constexpr std::size_t kDescents = 5;  ///< runs of NLopt's local algorithm, from the best choices
 constexpr int kKicks = 8;             ///< exchanges of a layout found, each with a descent after it
 constexpr double kGains = 1e-4;       ///< an exchange has to gain more than this part
-constexpr std::size_t kEvaluationsPerNumber = 400;  ///< of NLopt, for each unknown and algorithm
+constexpr std::size_t kEvaluationsPerNumber = 400;  ///< evaluations by NLopt, for each unknown and algorithm
 
-/// A beacon of a layout with what it tells.
+/// A beacon of a layout with its information.
 struct Spot {
   MountPoint point;
   std::shared_ptr<const BeaconLayer> layer;
@@ -80,8 +80,8 @@ class GridSearch {
     return layout;
   }
 
-  /// Takes each beacon in turn to the place of the grid where it helps most, until none moves. Returns the
-  /// value reached.
+  /// Moves one beacon after another to the position of the grid where it improves the layout most, until none
+  /// moves. Returns the value reached.
   double exchange(Spots& layout, bool soft) {
     double value = score_.value_with(total(layout, layout.size()), nullptr, soft);
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -100,7 +100,7 @@ class GridSearch {
     return {p, std::make_shared<BeaconLayer>(score_.layer(space_.mounts.beacon(p)))};
   }
 
-  /// All but one (none: the layout's size).
+  /// All beacons except one (the size of the layout: all).
   [[nodiscard]] LayoutScore::Sum total(const Spots& layout, std::size_t but) const {
     LayoutScore::Sum sum = kept_;
     for (std::size_t k = 0; k < layout.size(); ++k)
@@ -108,7 +108,8 @@ class GridSearch {
     return sum;
   }
 
-  /// The best place beside the others, where it is better than `value`; the value reached.
+  /// Best position for one beacon with the others fixed, if it is better than `value`. Returns the value
+  /// reached.
   double best_for(const LayoutScore::Sum& others, Spot& spot, double value, bool soft) {
     for (const Spot& place : places_) {
       ++evaluations_;
@@ -152,8 +153,8 @@ class ContinuousSearch {
                    std::size_t count)
       : space_(space), score_(score), options_(options), count_(count) {}
 
-  /// The best point that was looked at from `start` on, `start` included.
-  /// @param soft  goes down on the soft value instead of the goal
+  /// Best point of a descent from `start`, `start` included.
+  /// @param soft  minimises the soft value instead of the goal
   [[nodiscard]] MountLayout run(nlopt::algorithm algorithm, const MountLayout& start, double first_step,
                                 bool soft) {
     soft_ = soft;
@@ -301,7 +302,8 @@ class LayoutSearch {
     keep(nlopt_.run(algorithm_of(options_.global), best_, 0.1, /*soft=*/false));
   }
 
-  /// Exchanges of the best layout against the grid, each with a descent after it, until none gains.
+  /// Exchanges beacons of the best layout with positions of the grid, with a descent after each exchange,
+  /// until none improves it.
   void kick() {
     nlopt_.set_stage(0.85, 1.0);
     for (int i = 0; i < kKicks && !nlopt_.interrupted(); ++i) {

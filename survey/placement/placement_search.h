@@ -11,7 +11,7 @@
 
 namespace octant::survey {
 
-/// Where a search may put beacons: on a scene's mounts, beside those that are there already.
+/// Positions that a search may use: the mounts of a scene, in addition to existing beacons.
 struct SearchSpace {
   MountSpace mounts;
   std::vector<SurveyBeacon> kept;

@@ -9,7 +9,8 @@
 
 namespace octant::survey {
 
-/// What a program cannot know of a calibration; empty: the certificate has a line to fill in by hand.
+/// Data of a calibration that the program does not know; if a member is empty, the certificate has a line to
+/// fill in by hand.
 struct CertificateInput {
   std::string number;        ///< unique; empty: made of site and digest
   std::string organisation;  ///< who calibrated: name and address

@@ -72,7 +72,7 @@ ReportDocument report_document(const ReportInput& input) {
   document.tone = tone_of(v.grade);
   document.sentence = v.sentence;
   using MakeSection = std::optional<ReportSection> (*)(const ReportInput&);
-  // What to do and where it is come first, then why; how it was found out comes last.
+  // Actions and the plan come first, then the reasons, and last how they were determined.
   constexpr MakeSection kSections[] = {
       next_section,      plan_section,         verdict_section,   warnings_section, changes_section,
       beacons_section,   verification_section, weak_section,      loss_section,     left_out_section,

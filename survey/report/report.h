@@ -18,16 +18,16 @@
 
 namespace octant::survey {
 
-/// A combination of parameters of which the data say little, in words.
+/// A combination of parameters that the data hardly determine, in words.
 struct WeakNote {
   std::string description;
   std::string remedy;
   double consequence_m = 0.0;  ///< at the robot
-  bool blocking = false;       ///< nothing was exported because of it
+  bool blocking = false;       ///< no deployment was exported because of it
   bool lone_beacon = false;    ///< an undetermined beacon, which does not block the others
 };
 
-/// What is to be done about arrivals that were left out depends on this alone.
+/// The action for arrivals that were left out depends only on this reason.
 enum class LeftOutCause { kOther, kLate, kEarly, kNoPose };
 
 /// Arrivals left out, by reason in words.
@@ -37,9 +37,9 @@ struct LeftOutNote {
   LeftOutCause cause = LeftOutCause::kOther;
 };
 
-/// What was heard at one stop, or on a stretch of a drive.
+/// Arrivals at one stop, or in a segment of a drive.
 struct StopNote {
-  std::string name;  ///< of the stop: its epoch; of a stretch: "120 to 130 s"
+  std::string name;  ///< name of the stop: its epoch; of a segment of a drive: "120 to 130 s"
   bool moving = false;
   Eigen::Vector2d at_m{0, 0};
   std::size_t used = 0, late = 0, early = 0, other = 0;  ///< arrivals; late, early, other: left out
@@ -48,17 +48,17 @@ struct StopNote {
   [[nodiscard]] std::size_t left_out() const { return late + early + other; }
 };
 
-/// What the adjustment says of one beacon.
+/// Result of the adjustment for one beacon.
 struct BeaconNote {
   std::string name;
   std::size_t used = 0, rejected = 0;
   double redundancy = 0.0;                ///< mean redundancy number of its arrivals
-  std::optional<double> rms_s;            ///< of its residuals
-  std::optional<double> variance_factor;  ///< of its residuals, over the stated variance
+  std::optional<double> rms_s;            ///< RMS of its residuals
+  std::optional<double> variance_factor;  ///< variance of its residuals over the stated variance
   std::optional<double> mdb_s;            ///< minimal detectable bias of one arrival, median
   std::optional<double> influence_m;      ///< largest shift of a coordinate by one that is not detected
   std::optional<double> lateness_mdb_s,
-      lateness_influence_m;  ///< the same for a lateness of all its arrivals
+      lateness_influence_m;  ///< influence of a common lateness of all its arrivals
 };
 
 /// Residuals of one bin, or of one beacon.
@@ -72,7 +72,7 @@ struct ResidualBin {
 /// Residuals by some quantity, binned: a report never carries single arrivals.
 struct ResidualChart {
   std::string by;    ///< "beacon", "distance", ...
-  std::string unit;  ///< of the bins' ends as given: "m", "deg", "degC", "s"; empty for names
+  std::string unit;  ///< unit of the bins' ends: "m", "deg", "degC", "s"; empty for names
   std::vector<ResidualBin> bins;
   /// In which its residuals are read with ease.
   [[nodiscard]] Unit time() const;
@@ -84,11 +84,11 @@ struct Histogram {
   std::vector<std::size_t> counts;
 };
 
-/// What the place is worth when one beacon falls silent.
+/// Quality of positioning when one beacon fails.
 struct BeaconLoss {
   std::string beacon;
-  double covered_fraction = 0.0;      ///< of the calibrated area: where a fix is still possible
-  std::optional<double> median, p95;  ///< of the figure that the map shows, where it is covered
+  double covered_fraction = 0.0;      ///< fraction of the calibrated area where a fix is still possible
+  std::optional<double> median, p95;  ///< statistics of the mapped quantity, where it is covered
   std::optional<NamedMap> map;
 };
 
@@ -103,22 +103,22 @@ struct MovedNote {
 
 enum class Outcome {
   kCalibrated,
-  kRefused,  ///< the data cannot tell; nothing was exported
+  kRefused,  ///< the data do not determine the result; no deployment was exported
   kNotConverged
 };
 
 /// All that a report says, as plain values.
 struct ReportInput {
-  std::string kind = "Calibration";  ///< of report: "Calibration", "Survey", "Verification"
+  std::string kind = "Calibration";  ///< kind of report: "Calibration", "Survey", "Verification"
   Outcome outcome = Outcome::kCalibrated;
-  std::string message;  ///< of the solver, where there is something to say
+  std::string message;  ///< message of the solver; may be empty
   PlanInput plan;
   std::vector<BeaconNote> beacons;
   std::vector<MovedNote> moved;  ///< farthest first
   std::vector<WeakNote> weak;
   std::vector<LeftOutNote> left_out;
-  std::vector<StopNote> stops;   ///< of many those that stick out
-  std::vector<PlanMiss> misses;  ///< those of one place together
+  std::vector<StopNote> stops;   ///< stops; of a long list, only the conspicuous ones
+  std::vector<PlanMiss> misses;  ///< misses, grouped by position
   std::vector<ResidualChart> residuals;
   std::optional<Histogram> standardised;  ///< residuals over their sigmas
   std::size_t looked_at = 0;              ///< arrivals that residuals and redundancies are of
@@ -128,17 +128,17 @@ struct ReportInput {
   std::string loss_name, loss_unit;
   std::optional<Changes> changes;  ///< since an earlier deployment
   std::vector<std::string> warnings;
-  std::vector<std::pair<std::string, std::string>> words;  ///< of the report, each with what it means
-  std::string command;                                     ///< that wrote this report
-  std::vector<std::string> options;                        ///< in words, beside the command: "threads 2"
+  std::vector<std::pair<std::string, std::string>> words;  ///< terms of the report, each with its meaning
+  std::string command;                                     ///< command line that wrote this report
+  std::vector<std::string> options;  ///< options in words, in addition to the command line: "threads 2"
 };
 
 enum class Grade {
   kGood,
-  kUnjudged,      ///< nothing is wrong, but the site states no tolerance to hold it against
+  kUnjudged,      ///< no fault was found, but the site states no tolerance for comparison
   kPoor,          ///< a gate is not kept
   kContradicted,  ///< the data speak against what the site file states
-  kRefused        ///< nothing was exported
+  kRefused        ///< no deployment was exported
 };
 [[nodiscard]] const char* to_string(Grade grade);
 /// The colour that says what the grade says.
@@ -150,7 +150,7 @@ struct ReportGate {
   bool pass = false;
 };
 
-/// What to think of it.
+/// Verdict on the result.
 struct Verdict {
   Grade grade = Grade::kUnjudged;
   std::string sentence;
@@ -158,7 +158,7 @@ struct Verdict {
 };
 [[nodiscard]] Verdict verdict(const ReportInput& input);
 
-/// What to do or to measure next, most urgent first; never empty.
+/// Next actions and measurements, most urgent first; never empty.
 [[nodiscard]] std::vector<std::string> next_steps(const ReportInput& input);
 
 /// "343.21 m/s, sigma 0.04 m/s, at 21 degC (model cramer1993)".
@@ -167,17 +167,17 @@ struct Verdict {
 /// attenuation
 [[nodiscard]] std::string directivity_in_words(const Deployment& deployment);
 
-/// The report's content: verdict, plan, beacons, verification, residuals, weak directions, loss of a beacon,
-/// changes, what next, provenance. Sections of which nothing is known are left out.
+/// The content of the report: verdict, plan, beacons, verification, residuals, weak directions, loss of a
+/// beacon, changes, next steps, provenance. Sections without data are left out.
 [[nodiscard]] ReportDocument report_document(const ReportInput& input);
 
 struct ReportOptions {
   bool interactive = true;  ///< with plotly.js inside, where it was at hand when the program was built
 };
-/// The report as one self-contained HTML page: nothing is fetched (content security policy `default-src
-/// 'none'`), whole without a script, light and dark, prints on paper.
+/// The report as one self-contained HTML page. It loads no external resource (content security policy
+/// `default-src 'none'`), is complete without a script, has light and dark colours, and can be printed.
 [[nodiscard]] std::string report_html(const ReportInput& input, const ReportOptions& options = {});
-/// The same content without the drawings.
+/// The report as text, without the drawings.
 [[nodiscard]] std::string report_markdown(const ReportInput& input);
 
 }  // namespace octant::survey

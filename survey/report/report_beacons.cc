@@ -78,7 +78,7 @@ std::vector<ReportText> row_of(const DeploymentBeacon& b, const BeaconNote* note
   return row;
 }
 
-/// How wrong the tape was.
+/// Error of the measured position.
 ReportTable moved_table(const ReportInput& input) {
   const Unit unit = length_unit(input.moved.front().distance_m);
   const std::string in = " [" + std::string(unit.symbol) + "]";

@@ -9,7 +9,7 @@
 
 namespace octant::survey {
 
-/// How something is to be taken; never told by colour alone, the words say it too.
+/// Importance of a line. It is never expressed by colour alone: the words express it too.
 enum class Tone { kPlain, kGood, kAttention, kBad };
 
 struct ReportText {
@@ -24,7 +24,7 @@ struct ReportList {
 
 struct ReportColumn {
   std::string name;    ///< with its unit: "x [m]"
-  bool words = false;  ///< words stand on the left, numbers on the right
+  bool words = false;  ///< true: left-aligned words; false: right-aligned numbers
 };
 
 /// The first cell of a row is its heading.
@@ -48,9 +48,9 @@ struct ReportFigure {
   std::string id;
   std::string caption;
   std::string svg;            ///< trusted: made by this room
-  std::string interactive{};  ///< JSON object {data, layout}; empty: none
+  std::string interactive{};  ///< JSON object {data, layout}; empty: no interactive figure
   /// Layers of the SVG (elements of class "layer layer-0", "layer layer-1", ...), of which the reader chooses
-  /// one. In the interactive figure a trace with the key "layer" belongs to one.
+  /// one. In the interactive figure, the key "layer" of a trace names the layer to which it belongs.
   std::string legend{};
   std::vector<std::string> layers{};
 };

@@ -6,10 +6,10 @@
 
 namespace octant::survey {
 
-/// Adds to a report what the deployment's geometry is worth over the calibrated area: maps of the dilution of
-/// precision, of the expected error of a fix and of its protection level, and what becomes of that error when
-/// one beacon falls silent. Free air is assumed: what a scene file says of walls is the business of `octant
-/// survey`. Nothing is added where that cannot be told.
+/// Adds the quality of the deployment's geometry over the calibrated area to a report: maps of the dilution
+/// of precision, of the expected error of a fix and of its protection level, and that error when one beacon
+/// fails. Free space is assumed; `octant survey` considers the walls of a scene file. The report is unchanged
+/// if the geometry cannot be evaluated.
 void add_geometry(ReportInput& input, int threads);
 
 }  // namespace octant::survey

@@ -50,7 +50,7 @@ std::optional<ReportSection> left_out_section(const ReportInput& input) {
   PlanInput drawn;
   drawn.deployment = input.plan.deployment;
   drawn.tracks = input.plan.tracks;
-  // Of very many beacons those alone to which a line leads.
+  // If there are very many beacons, only those to which a line refers.
   if (drawn.deployment.beacons.size() > kMostNamed)
     std::erase_if(drawn.deployment.beacons, [&](const DeploymentBeacon& b) {
       return std::ranges::none_of(input.misses, [&](const PlanMiss& miss) { return miss.beacon == b.name; });

@@ -8,7 +8,7 @@
 namespace octant::survey {
 namespace {
 
-/// So many maps keep the page small; they are the worst ones.
+/// Number of maps, the worst ones, that keeps the page small.
 constexpr std::size_t kMostMaps = 12;
 
 }  // namespace

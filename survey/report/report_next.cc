@@ -24,7 +24,7 @@ std::string names(const std::vector<std::string>& all) {
   return all.size() > kMostNames ? text + fmt::format(" and {} more", all.size() - kMostNames) : text;
 }
 
-/// One step for each remedy, whatever it settles.
+/// One step for each remedy, which may cover several findings.
 void add_weak(const ReportInput& input, std::vector<std::string>& steps) {
   for (const bool blocking : {true, false}) {
     std::vector<std::pair<std::string, std::vector<std::string>>> by_remedy;

@@ -17,7 +17,7 @@ bool anything_placed(const PlanInput& plan) {
          std::ranges::any_of(plan.tracks, [](const auto& t) { return !t.points_m.empty(); });
 }
 
-/// Of the beacons that are held to have moved.
+/// Shifts of the beacons that moved.
 std::vector<PlanMove> moves_of(const ReportInput& input) {
   std::vector<PlanMove> moves;
   if (input.changes)

@@ -34,7 +34,7 @@ std::string stops_that_stick_out(const ReportInput& input) {
   return text + ": did the vehicle move there, or did something stand in the way?";
 }
 
-/// Of very many names those whose residuals are largest.
+/// If there are very many names, only those with the largest residuals.
 ResidualChart worst_of(const ResidualChart& chart) {
   ResidualChart worst = chart;
   if (worst.bins.size() <= kMaxRows) return worst;

@@ -8,7 +8,8 @@
 
 namespace octant::survey {
 
-// The parts of a report, one file each: report_verdict.cc, report_plan.cc, ... None: there is nothing to say.
+// The sections of a report, one file each: report_verdict.cc, report_plan.cc, ... No value if a section has
+// no content.
 [[nodiscard]] std::optional<ReportSection> verdict_section(const ReportInput& input);
 [[nodiscard]] std::optional<ReportSection> plan_section(const ReportInput& input);
 [[nodiscard]] std::optional<ReportSection> beacons_section(const ReportInput& input);

@@ -13,8 +13,9 @@ namespace octant::survey {
 namespace {
 
 constexpr double kAboveBeaconsM = 0.5;
-constexpr double kCells = 4000;  ///< looked at, about
-constexpr int kHeadings = 4;     ///< of receivers with axes: heard in any of them
+constexpr double kCells = 4000;  ///< approximate number of cells
+constexpr int kHeadings =
+    4;  ///< headings for receivers with axes; a beacon counts as received if any heading receives it
 
 Reverberance reverberance_of(const SurveyModel& model, const FloorScheduleOptions& options, double height_m) {
   Reverberance r;

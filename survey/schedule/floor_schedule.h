@@ -14,7 +14,7 @@
 namespace octant::survey {
 
 struct FloorScheduleOptions {
-  std::optional<double> height_m;  ///< of the hall; none: half a metre above the highest beacon
+  std::optional<double> height_m;  ///< height of the hall; no value: half a metre above the highest beacon
   double wall_reflection = 0.96, pulse_s = 2.5e-3;
   bool trust_walls = false, by_time = false;
   int threads = 1;
@@ -29,19 +29,20 @@ struct FloorSchedule {
   std::vector<std::string> warnings;
 };
 
-/// The hall is the floor's outline as high as stated. Without a threshold a pulse is taken to be heard
-/// exactly as far as the range says; without a range either there is nothing to go by. Errors: neither a
-/// threshold nor a range; what make_floor_grid finds.
+/// Computes a firing schedule. The hall is the outline of the floor with the stated height. Without a
+/// threshold, a pulse is assumed to be received exactly up to the range; one of the two is required. Errors:
+/// neither a threshold nor a range; errors of make_floor_grid.
 [[nodiscard]] Result<FloorSchedule> floor_schedule(const SurveyModel& model, const Scene& scene,
                                                    const FloorScheduleOptions& options);
 
-/// Of more beacons than this a survey tells no schedule by itself: each is held against every other.
+/// Above this number of beacons, a survey computes no schedule unless requested: each beacon is compared with
+/// each other.
 inline constexpr std::size_t kMostScheduledUnasked = 300;
 /// Faster than this a pulse is radio or light, which leaves no echoes to wait for.
 inline constexpr double kFastestSoundMps = 1e5;
 
-/// The schedule that goes with a survey; none where there is no sound to wait for, nothing says how far it is
-/// heard, or beacons are more than kMostScheduledUnasked.
+/// The schedule of a survey; no value without sound, without a known range, or with more than
+/// kMostScheduledUnasked beacons.
 [[nodiscard]] std::optional<FloorSchedule> schedule_of_survey(const SurveyModel& model, const Scene& scene,
                                                               int threads);
 

@@ -12,8 +12,8 @@
 namespace octant::survey {
 namespace {
 
-constexpr double kRareSigmas =
-    3.0;  ///< of the sum of echoes: an envelope's square is exponential, so exp(-9) of the time above
+constexpr double kRareSigmas = 3.0;  ///< ratio of the sum of echoes: the square of an envelope is
+                                     ///< exponential, so it is exceeded for exp(-9) of the time
 
 /// Longest path at whose end an echo is still above the threshold, each wall met taking its part.
 double last_single_echo_m(const Reverberance& r) {
@@ -21,8 +21,8 @@ double last_single_echo_m(const Reverberance& r) {
     return r.amplitude_1m_v / d * std::exp(-r.absorption_np_per_m * d) * std::pow(r.wall_reflection, walls) -
            r.threshold_v;
   };
-  // Within a stretch between multiples of the longest line the number of walls is the same and the amplitude
-  // falls.
+  // Between two multiples of the longest path the number of reflections is constant and the amplitude
+  // decreases.
   for (double walls = 0.0;; walls += 1.0) {
     double low = std::max(walls * r.longest_m, 1e-6), high = (walls + 1.0) * r.longest_m;
     if (excess(low, walls) <= 0) return walls * r.longest_m;

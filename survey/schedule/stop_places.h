@@ -16,7 +16,7 @@ namespace octant::survey {
 /// Where a vehicle may stop.
 struct StopPlaces {
   std::vector<Eigen::Vector2d> places_m;                 ///< a grid over the floor
-  double spacing_m = 1.0;                                ///< of the grid
+  double spacing_m = 1.0;                                ///< spacing of the grid
   std::function<bool(const Eigen::Vector2d&)> may_stop;  ///< anywhere; owns what it needs
 };
 

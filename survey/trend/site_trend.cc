@@ -15,7 +15,7 @@ namespace {
 constexpr TrendQuantity kOfABeacon[] = {TrendQuantity::kX, TrendQuantity::kY, TrendQuantity::kZ,
                                         TrendQuantity::kDelay};
 
-/// What a change of a fixed quantity counts by: 10 um, 10 ns, 1 mm/s.
+/// Sigmas with which a change of a fixed quantity is weighted: 10 um, 10 ns, 1 mm/s.
 double smallest_sigma(TrendQuantity quantity) {
   switch (quantity) {
     case TrendQuantity::kDelay: return 1e-8;
@@ -78,7 +78,7 @@ double limit_of(TrendQuantity quantity, double limit_m, const CalibrationRecord&
   }
 }
 
-/// Where the last step of a chart begins; the first of all times where there is none.
+/// Time at which the last level of a chart begins; the first of all times if there is only one level.
 double begins_s(const ControlChart& chart) {
   double begins = -INFINITY;
   for (const Shift& shift : chart.shifts)

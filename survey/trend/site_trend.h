@@ -11,12 +11,12 @@
 
 namespace octant::survey {
 
-/// What one calibration of a site found.
+/// Result of one calibration of a site.
 struct CalibrationRecord {
   double time_s = 0.0;
-  std::vector<DeploymentBeacon> beacons;  ///< of the covariance the diagonal counts
+  std::vector<DeploymentBeacon> beacons;  ///< only the diagonal of the covariance is used
   double speed_mps = 0.0;                 ///< at temperature_degC
-  double speed_sigma_mps = 0.0;           ///< 0: held fixed
+  double speed_sigma_mps = 0.0;           ///< 0: fixed
   double speed_offset_mps = 0.0;          ///< from the medium's model at that temperature
   double temperature_degC = 0.0;
 };
@@ -35,8 +35,8 @@ struct QuantityTrend {
 
 struct SiteTrend {
   std::vector<QuantityTrend> quantities;
-  double cusum_h = 0.0;        ///< of all charts
-  double visits_an_alarm = 0;  ///< where nothing changes, on average, all charts together
+  double cusum_h = 0.0;        ///< decision limit of all charts
+  double visits_an_alarm = 0;  ///< mean number of visits between false alarms, of all charts together
   /// The quantity whose drift makes the next recalibration due first, and the one that may do so first;
   /// indices into quantities.
   std::optional<std::size_t> due, earliest;
@@ -44,15 +44,15 @@ struct SiteTrend {
 
 struct TrendOptions {
   double limit_m =
-      0.05;  ///< how far off a range may be by a drift; a delay's and the speed's limits follow from it
+      0.05;  ///< largest error of a range by a drift; the limits of a delay and of the speed follow from it
   double visits_an_alarm = 100.0;
   double cusum_k = 0.5;  ///< in sigmas of a calibration: shifts of twice this are found fastest
 };
 
-/// Control charts of all coordinates and delays of a site's beacons and of the speed's offset from its model,
-/// with the threshold that makes a false alarm in any of them as rare as stated. Quantities that are held
-/// fixed at one value throughout have no chart. Calibrations are taken as independent; where one was the
-/// prior of the next, deviations come out smaller than they should, and alarms later.
+/// Control charts of all coordinates and delays of a site's beacons and of the speed's offset from its model.
+/// The threshold makes a false alarm in any of them as rare as stated. Quantities that are always fixed at
+/// one value have no chart. Calibrations are assumed to be independent. If one was the prior of the next,
+/// deviations are smaller than they should be, and alarms are later.
 [[nodiscard]] SiteTrend site_trend(const std::vector<CalibrationRecord>& records,
                                    const TrendOptions& options = {});
 

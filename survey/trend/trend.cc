@@ -10,8 +10,8 @@
 namespace octant::survey {
 namespace {
 
-/// A drift is told from zero beyond this: of some twenty quantities without one, one in twenty sites then
-/// shows some.
+/// Significance of a drift in sigmas: of twenty sites with some twenty quantities each and no drift, one
+/// shows a drift.
 constexpr double kTold_sigmas = 3.0;
 /// Values of one week are one visit as far as drift goes.
 constexpr double kShortestSpan_s = 7 * 86400.0;
@@ -33,8 +33,8 @@ class Level {
   Level(std::vector<ChartPoint>& points, std::size_t first, double k, double h, double smallest_sigma)
       : points_(points), first_(first), cusum_{k, h}, smallest_sigma_(smallest_sigma) {}
 
-  /// The first point with an alarm behind `silent_until`; points before it may be beyond the limit and say
-  /// nothing.
+  /// The first point with an alarm after `silent_until`; earlier points may exceed the limit without an
+  /// alarm.
   [[nodiscard]] std::optional<Shift> run(std::size_t silent_until) {
     for (std::size_t i = first_; i < points_.size(); ++i) {
       ChartPoint& p = points_[i];
@@ -129,7 +129,7 @@ double chi2_of_level(const std::vector<ChartPoint>& points, std::size_t first, s
   return chi2;
 }
 
-/// Whether a line through all values explains them better than two levels.
+/// Returns true if a line through all values explains them better than two levels.
 bool is_drift(const std::vector<ChartPoint>& points, std::size_t first, const Shift& shift,
               double smallest_sigma) {
   if (shift.at - first < 3) return false;
@@ -160,7 +160,7 @@ ControlChart control_chart(const std::vector<TrendValue>& values, double k, doub
     shift->by_drift = is_drift(chart.points, drifts_since, *shift, smallest_sigma);
     if (!shift->by_drift) drifts_since = shift->since;
     chart.shifts.push_back(*shift);
-    // Points since the change are charted anew, against the new level.
+    // Points since the change start a new chart, relative to the new level.
     first = shift->since;
     silent_until = shift->at;
   }

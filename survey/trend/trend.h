@@ -9,7 +9,7 @@
 
 namespace octant::survey {
 
-/// What one calibration says of a quantity; SI units.
+/// Estimate of a quantity by one calibration; SI units.
 struct TrendValue {
   double time_s = 0.0;
   double value = 0.0;
@@ -20,7 +20,7 @@ struct TrendValue {
 struct ChartPoint {
   TrendValue measured;
   std::optional<double>
-      foretold;  ///< weighted mean of the values before; none for the first since the chart began
+      foretold;  ///< weighted mean of the earlier values; no value for the first point of a chart
   double deviation_sigmas = 0.0;    ///< measured less foretold, by the sigma of that difference
   double upper = 0.0, lower = 0.0;  ///< cumulative sums
   int alarm = 0;                    ///< +1: larger than before, -1: smaller
@@ -59,10 +59,11 @@ struct ControlChart {
 /// When a drift will have moved a quantity by as much as may be.
 struct Forecast {
   std::optional<double>
-      due_s{};  ///< by the drift as estimated; none where it is not told from zero (three sigmas)
+      due_s{};  ///< when the drift reaches the limit; no value if the drift is not significant (three sigmas)
   double earliest_s =
       0.0;  ///< if it is larger by two sigmas: before it no recalibration is needed for this quantity's sake
-  std::optional<double> latest_s{};  ///< if it is smaller by two sigmas; none where there is no due_s
+  std::optional<double>
+      latest_s{};  ///< the same for a drift that is smaller by two sigmas; no value without due_s
 };
 /// @param limit  largest change that may be, of the quantity's unit; positive
 [[nodiscard]] Forecast forecast(const Drift& drift, double limit);
