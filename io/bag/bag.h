@@ -23,7 +23,7 @@ inline constexpr std::size_t kLargestMessage = std::size_t{64} << 20;  ///< byte
 struct BagTopic {
   std::string name;
   std::string type;      ///< "sensor_msgs/msg/Range"; empty: the bag does not say
-  std::string encoding;  ///< of its messages: "cdr", "json"
+  std::string encoding;  ///< encoding of its messages: "cdr", "json"
 };
 
 struct BagMessage {
@@ -32,19 +32,19 @@ struct BagMessage {
   std::string_view data;         ///< good until the next one
 };
 
-/// What a bag is read for.
+/// Receives the topics and messages of a bag.
 struct BagVisitor {
-  /// Whether the messages of a topic are wanted; asked once a topic.
+  /// Returns true if the messages of a topic are wanted; called once for each topic.
   std::function<bool(const BagTopic&)> wants;
-  /// Its error ends the reading.
+  /// Processes one message. An error stops the reader.
   std::function<Result<void>(const BagMessage&)> message;
   /// Metadata by its name (MCAP); may be empty.
   std::function<void(const std::string& name, const std::map<std::string, std::string>&)> metadata;
 };
 
-/// What else is to be said of a bag.
+/// Statistics of a bag.
 struct BagSummary {
-  std::size_t messages = 0;  ///< of wanted topics
+  std::size_t messages = 0;  ///< messages of wanted topics
   std::vector<std::string> warnings;
 };
 
@@ -52,7 +52,7 @@ struct BagSummary {
 /// with one or several of them, in the order of their numbers. Errors: kBadInput with the file and what is
 /// wrong in it; a compressed database, with the way to decompress it.
 [[nodiscard]] Result<BagSummary> read_bag(const std::string& path, const BagVisitor& visitor);
-/// Whether a path looks like one, by its content or, for a folder, by what lies in it.
+/// Returns true if a path looks like a bag, by the content of the file or by the files of the folder.
 [[nodiscard]] bool is_bag(const std::string& path);
 
 // The two ways, added to a summary.

@@ -18,7 +18,7 @@ namespace {
 /// Steps of SQLite's machine between two looks at how long it has worked.
 constexpr int kStepsALook = 100'000;
 
-/// A path as SQLite takes it in a URI: read alone, and nothing looked for beside it.
+/// Path as an SQLite URI: read-only, and without looking for a write-ahead log.
 std::string uri_of(const std::string& path) {
   std::string uri = "file:";
   for (const char c : path) {
@@ -46,7 +46,7 @@ class BagDatabase {
     std::error_code ignored;
     if (std::filesystem::file_size(path_ + "-wal", ignored) > 0 && !ignored)
       summary_.warnings.push_back(path_ + "-wal: what the recorder did not write into the bag is left out");
-    // The file is somebody else's: nothing that it defines is run, and nothing in it may be huge.
+    // The file comes from outside: no function or trigger that it defines may run, and sizes are limited.
     sqlite3_db_config(db_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
     sqlite3_db_config(db_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
     sqlite3_db_config(db_, SQLITE_DBCONFIG_ENABLE_VIEW, 0, nullptr);
@@ -61,7 +61,7 @@ class BagDatabase {
  private:
   using Rows = std::unique_ptr<sqlite3_stmt, decltype(&sqlite3_finalize)>;
 
-  /// A query that goes on and on between two rows is none of a bag's.
+  /// Interrupts a query that runs for long between two rows: no bag needs one.
   static int look(void* self) { return ++static_cast<BagDatabase*>(self)->looks_ > 20'000 ? 1 : 0; }
 
   tl::unexpected<Error> failure() const {
@@ -88,7 +88,7 @@ class BagDatabase {
                ? std::string_view()
                : std::string_view(words, static_cast<std::size_t>(sqlite3_column_bytes(rows.get(), column)));
   }
-  /// Whether there is a row; an error where the database is broken.
+  /// Returns true if there is a row; an error if the database is damaged.
   Result<bool> next(const Rows& rows) {
     looks_ = 0;
     const int code = rows == nullptr ? SQLITE_ERROR : sqlite3_step(rows.get());

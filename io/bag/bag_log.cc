@@ -29,11 +29,11 @@ std::string listed_topics(const std::vector<BagTopic>& topics) {
   return words.empty() ? "the bag has no topics" : "topics of the bag: " + listed(words, kListedTopics);
 }
 
-/// What a topic's messages become: arrivals by a rule for ranges, poses, or else arrivals as octant exports
-/// them.
+/// Destination of the messages of a topic: arrivals by a rule for ranges, poses, or arrivals as octant
+/// exports them.
 struct TopicPlan {
   const RangeTopics* range = nullptr;
-  std::map<std::string, std::string, std::less<>> names;  ///< that the topic's name tells of its ranges
+  std::map<std::string, std::string, std::less<>> names;  ///< names that the topic states for its ranges
   const PoseTopic* pose = nullptr;
   std::vector<TimedPose>* poses = nullptr;  ///< to which those of `pose` are added
 };

@@ -11,18 +11,19 @@
 // Bags of ROS 2 (rosbag2's .db3, MCAP), without ROS.
 namespace octant::io {
 
-/// Whether a path is one, or a folder with some.
+/// Returns true if a path is a bag, or a folder with bags.
 [[nodiscard]] bool is_bag(const std::string& path);
 
-/// What the topics of a bag most likely are: all Range by frame_id as the beacon's name; the one topic of
-/// nav_msgs/Odometry as odometry; /octant/odometry, /octant/poses and /octant/truth, which
-/// `octant export` writes. Errors: those of reading; kBadInput, listing the topics, where there is nothing.
+/// Guesses the mapping from the types of the topics: all Range topics with the frame_id as the beacon's name,
+/// the only topic of nav_msgs/Odometry as odometry, and /octant/odometry, /octant/poses and /octant/truth as
+/// `octant export` writes them. Errors: those of the reader; kBadInput, with a list of the topics, if no
+/// topic fits.
 [[nodiscard]] Result<TopicMapping> topics_by_type(const std::string& path);
 
-/// Reads a bag by a mapping: arrivals from sensor_msgs/Range and from octant.Arrival (JSON, as `octant
-/// export` writes them, of whatever topic), odometry, measured poses and reference from PoseStamped,
-/// PoseWithCovarianceStamped, nav_msgs/Odometry and tf. Errors: kBadInput: topics that the bag has not (it is
-/// said which it has), types that are none of these, messages that end early.
+/// Reads a bag by a mapping: arrivals from sensor_msgs/Range and octant.Arrival (JSON, as `octant export`
+/// writes them, on any topic); odometry, measured poses and reference poses from PoseStamped,
+/// PoseWithCovarianceStamped, nav_msgs/Odometry and tf. Errors: kBadInput: topics that are missing (the
+/// message lists those that exist), types that are not supported, truncated messages.
 [[nodiscard]] Result<ImportedLog> read_bag_log(const std::string& path, const TopicMapping& mapping);
 
 inline constexpr const char* kArrivalType = "octant.Arrival";

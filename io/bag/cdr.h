@@ -37,7 +37,7 @@ class CdrReader {
   }
   /// A text without its closing NUL.
   std::string_view text();
-  /// The length of a sequence whose items take at least so many bytes each: not ok where there are fewer.
+  /// Length of a sequence whose items need at least the given number of bytes each; not ok if fewer are left.
   std::uint32_t count(std::size_t least_bytes);
 
  private:

@@ -20,7 +20,7 @@ namespace octant::io {
 struct RosRange {
   double stamp_s = 0.0;
   std::string frame;
-  double range_m = 0.0;  ///< not finite, or outside what the sensor reaches: nothing was measured
+  double range_m = 0.0;  ///< no measurement: not finite, or outside the range of the sensor
   bool measured = false;
 };
 [[nodiscard]] std::optional<RosRange> range_of(std::string_view message);
@@ -32,10 +32,10 @@ struct RosPose {
   Pose T_frame_child;  ///< the quaternion normalised
 };
 /// geometry_msgs/msg/PoseStamped, PoseWithCovarianceStamped, nav_msgs/msg/Odometry (one pose) and
-/// tf2_msgs/msg/TFMessage (several). None where the message does not end with its fields, holds numbers that
-/// are not finite, or a quaternion of no length.
+/// tf2_msgs/msg/TFMessage (several). Returns no value if the message does not end with its fields, has
+/// numbers that are not finite, or a quaternion of zero length.
 [[nodiscard]] std::optional<std::vector<RosPose>> poses_of(std::string_view type, std::string_view message);
-/// Whether poses_of() knows the type.
+/// Returns true if poses_of() supports the type.
 [[nodiscard]] bool is_pose_type(std::string_view type);
 inline constexpr std::string_view kRosRange = "sensor_msgs/msg/Range",
                                   kRosPose = "geometry_msgs/msg/PoseStamped",
@@ -43,8 +43,9 @@ inline constexpr std::string_view kRosRange = "sensor_msgs/msg/Range",
                                   kRosOdometry = "nav_msgs/msg/Odometry",
                                   kRosTransforms = "tf2_msgs/msg/TFMessage";
 
-/// A pose's covariance as ROS has it: place in the map, small rotations about its axes. Ours turn about the
-/// vehicle's; of a planar pose, what lies out of the plane is held.
+/// Covariance of a pose in the convention of ROS: position in the map, small rotations about the map's axes.
+/// The covariance of a Fix uses rotations about the axes of the vehicle. For a planar pose, the components
+/// out of the plane are zero.
 [[nodiscard]] Eigen::Matrix<double, 6, 6> covariance_in_map(const PoseCovariance& covariance, const Pose& T);
 /// The other way. @param covariance  row by row: x, y, z, rotations about the frame's axes
 [[nodiscard]] std::string ros_pose(std::int64_t stamp_ns, std::string_view frame, const Pose& T);
@@ -52,7 +53,8 @@ inline constexpr std::string_view kRosRange = "sensor_msgs/msg/Range",
                                                    const Pose& T, const PoseCovariance& covariance);
 [[nodiscard]] std::string ros_odometry(std::int64_t stamp_ns, std::string_view frame, std::string_view child,
                                        const Pose& T);
-/// Definition of a type that is written, as `ros2msg` schemas are: with all that it stands on.
+/// Definition of a type that is written, in the form of `ros2msg` schemas: with the definitions of all types
+/// that it uses.
 [[nodiscard]] std::string ros_definition(std::string_view type);
 
 /// The nearest instant in whole nanoseconds, and back: the same double for times with at most nine decimals.

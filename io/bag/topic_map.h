@@ -10,17 +10,18 @@
 
 #include "models/support/result.h"
 
-// Which topic of a bag is what: `octant convert --topics`.
+// Mapping of the topics of a bag: `octant convert --topics`.
 namespace octant::io {
 
-/// Topics whose sensor_msgs/Range are arrivals. `topic` and `frame` (of the header's frame_id; empty: any)
-/// are patterns: {beacon}, {receiver} and {vehicle} stand for a name without a slash, * for anything.
+/// Topics whose sensor_msgs/Range messages are arrivals. `topic` and `frame` (of the header's frame_id;
+/// empty: any) are patterns: {beacon}, {receiver} and {vehicle} match a name without a slash, * matches any
+/// text.
 struct RangeTopics {
   std::string topic, frame;
-  std::string beacon, receiver, vehicle;  ///< where the patterns do not tell
+  std::string beacon, receiver, vehicle;  ///< used where the patterns do not name it
 };
 
-/// A topic of poses; of tf, of which frame in which.
+/// Topic of poses; for tf also the two frames.
 struct PoseTopic {
   std::string topic;
   std::string parent, child;  ///< empty: any
@@ -38,8 +39,8 @@ struct TopicMapping {
 /// odometry and truth as TOPIC or TOPIC@PARENT>CHILD; time=header (the default) or time=recorded.
 /// Errors: kUsage, naming the word.
 [[nodiscard]] Result<TopicMapping> topics_from_words(std::string_view words);
-/// The same as a file: octant_topics: 1, ranges: [{topic, frame, beacon, receiver, vehicle}], odometry,
-/// poses, truth: {topic, parent, child}, time: header | recorded, ignore: [...].
+/// Reads a mapping from a file: octant_topics: 1, ranges: [{topic, frame, beacon, receiver, vehicle}],
+/// odometry, poses, truth: {topic, parent, child}, time: header | recorded, ignore: [...].
 [[nodiscard]] Result<TopicMapping> read_topics(const std::string& path);
 [[nodiscard]] std::string topics_to_yaml(const TopicMapping& mapping);
 

@@ -12,8 +12,7 @@ namespace octant::io {
 /// Text of a deployment file (contract: deployment.json), with a digest of its own content so that alteration
 /// is noticed.
 [[nodiscard]] std::string deployment_to_json(const Deployment& deployment);
-/// The same for a file that is to be written. Errors: numbers that are not finite, which no reader would
-/// take.
+/// Serialises the document for a file. Errors: numbers that are not finite, which readers refuse.
 [[nodiscard]] Result<std::string> checked_deployment_json(const std::string& path,
                                                           const Deployment& deployment);
 /// Refuses a site file, by that name, where people give it in place of its deployment.

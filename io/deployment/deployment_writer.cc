@@ -202,7 +202,7 @@ Json content_of(const Deployment& d) {
   return json;
 }
 
-/// Pointer to the first number that is not finite; empty if there is none.
+/// Pointer to the first number that is not finite; empty if all are.
 std::string find_not_finite(const Json& json, const std::string& pointer) {
   if (json.is_number_float()) return std::isfinite(json.get<double>()) ? "" : pointer;
   if (!json.is_structured()) return "";

@@ -40,7 +40,7 @@ struct FreeContext {
 };
 using SigningContext = std::unique_ptr<EVP_MD_CTX, FreeContext>;
 
-/// A deployment's signature is one of nothing else.
+/// The preamble prevents a signature of another document from being valid for a deployment.
 std::string message_of(const nlohmann::json& deployment) {
   return "octant deployment, ed25519, 1\n" + digest_of(deployment);
 }
@@ -94,8 +94,8 @@ std::string pem_of(const Key& key, bool secret) {
   return {bytes, static_cast<std::size_t>(size)};
 }
 
-/// A file that is there already is a key that somebody needs. Not through a temporary file: nobody may read
-/// this one at any time.
+/// An existing file may be a key that is still needed, so it is never replaced. No temporary file is used, so
+/// that the secret key is never readable for others.
 Result<void> write_new_file(const std::string& path, const std::string& text, mode_t mode) {
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
   if (file < 0)

@@ -21,9 +21,9 @@ struct EarthPlace {
   double altitude_m = 0.0;  ///< above the ellipsoid, if the origin's is
 };
 
-/// A point of the map on the earth: the map is the plane that touches WGS 84 at its origin (east, north, up),
-/// turned by north_rad; by way of earth-centred coordinates, so to less than a micrometre at any distance
-/// within 100 km.
+/// Converts a point of the map to geodetic coordinates. The map is the plane that touches WGS 84 at its
+/// origin (east, north, up), rotated by north_rad. The conversion uses earth-centred coordinates and is exact
+/// to a micrometre within 100 km.
 [[nodiscard]] EarthPlace place_on_earth(const Eigen::Vector3d& p_map_m, const EarthOrigin& origin);
 
 /// "LATITUDE,LONGITUDE[,ALTITUDE]" in degrees and metres. Errors: kUsage.

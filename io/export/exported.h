@@ -13,7 +13,7 @@
 #include "models/site.h"
 #include "models/support/result.h"
 
-// What `octant export` hands to other programs.
+// Content that `octant export` writes for other programs.
 namespace octant::io {
 
 struct ExportedBeacon {
@@ -39,8 +39,8 @@ struct ExportedContent {
   std::vector<ExportedFixes> tracks;
 };
 
-/// fixes.csv as `localize --csv` writes it, or a TUM trajectory, told apart by the header. Fixes of a TUM
-/// file have no covariance. Errors: kBadInput with line and column.
+/// Reads fixes.csv as `localize --csv` writes it, or a TUM trajectory; the header distinguishes them. Fixes
+/// of a TUM file have no covariance. Errors: kBadInput with line and column.
 [[nodiscard]] Result<ExportedFixes> read_fixes(const std::string& path);
 
 /// An MCAP file (mcap.dev/spec): chunks with indices, a summary, checksums; read by Foxglove and PlotJuggler.

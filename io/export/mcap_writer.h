@@ -26,7 +26,7 @@ class McapWriter {
   std::uint16_t channel(const std::string& topic, const McapSchema& schema, const std::string& encoding);
   void message(std::uint16_t channel, std::uint64_t time_ns, std::string_view data);
   void metadata(const std::string& name, const std::map<std::string, std::string>& values);
-  /// The whole file; nothing may be added after it.
+  /// Finishes the file and returns its content; afterwards no message may be added.
   [[nodiscard]] std::string finish();
 
  private:

@@ -44,7 +44,8 @@ struct Visit {
   std::int64_t happened_s = 0;    ///< seconds since 1970, UTC: when the deployment or the result was made
   std::int64_t added_s = 0;       ///< when it came into the history
   std::string digest;             ///< SHA-256 of the document's content; layout does not matter
-  std::string deployment_digest;  ///< of the deployment that a result is about; of a calibration its own
+  std::string deployment_digest;  ///< digest of the deployment that the result belongs to; for a calibration,
+                                  ///< of its own
   std::optional<std::array<double, 2>> temperature_degC;  ///< coldest and warmest air of the recording
   std::optional<VisitSpeed> speed;                        ///< of a calibration
   std::string verdict;  ///< grade of a calibration; ok, gate_failed, ... of a result
@@ -54,13 +55,13 @@ struct Visit {
   std::vector<VisitBeacon> beacons;  ///< of a calibration; not in lists
 };
 
-/// What a deployment file, or the JSON object of `octant verify` or `octant monitor`, says of a visit.
-/// `verdict` of a calibration is left to the caller, and so are operator and note. Errors: neither of them,
-/// no date, no site, a deployment that was altered.
+/// Extracts a visit from a deployment file or from the JSON object of `octant verify` or `octant monitor`.
+/// The caller sets the `verdict` of a calibration, the operator and the note. Errors: another kind of
+/// document, no date, no site, a deployment that was altered.
 [[nodiscard]] Result<Visit> visit_of(const std::string& text, const std::string& file);
 [[nodiscard]] Result<Visit> read_visit(const std::string& path);
 
-/// Which visits; what is empty does not choose.
+/// Selection of visits; empty members do not restrict it.
 struct VisitFilter {
   std::string site;
   std::optional<VisitKind> kind;
@@ -71,26 +72,27 @@ struct Addition {
   bool is_new = false;  ///< false: the same document was there already
 };
 
-/// The visits to one or several sites in one SQLite file, or in a PostgreSQL database. Several programs may
-/// read and write at once; what add() has returned for is on the disk, and a program that dies leaves all of
-/// an addition or nothing of it.
+/// The visits to one or several sites in one SQLite file or in a PostgreSQL database. Several programs may
+/// read and write at the same time. Visits are on the disk when add() returns, and a program that is killed
+/// leaves all of an addition or no part of it.
 class History {
  public:
-  /// @param path  of the file, or a connection string (postgresql://user@host/database) where this Octant was
-  /// built with libpq  @param create  makes the file or the tables where there are none. Errors: no history,
-  /// one of a newer octant, a database of another program.
+  /// @param path    of the file, or a connection string (postgresql://user@host/database) if this Octant was
+  /// built with libpq
+  /// @param create  makes the file or the tables if they are missing
+  /// Errors: not a history, one of a newer octant, a database of another program.
   [[nodiscard]] static Result<History> open(const std::string& path, bool create);
   History(History&&) noexcept;
   History& operator=(History&&) noexcept;
   ~History();
 
-  /// All or none, in one transaction; documents that are there already stay as they are.
+  /// Adds all visits in one transaction. Documents that are in the history already stay unchanged.
   [[nodiscard]] Result<std::vector<Addition>> add(const std::vector<Visit>& visits);
   /// By date, without documents and beacons.
   [[nodiscard]] Result<std::vector<Visit>> list(const VisitFilter& filter = {});
   /// Calibrations by date, with their beacons and without documents.
   [[nodiscard]] Result<std::vector<Visit>> calibrations(const std::string& site);
-  /// Everything of one. Errors: there is none of this number.
+  /// Returns one visit with its document. Errors: no visit has this number.
   [[nodiscard]] Result<Visit> get(std::int64_t id);
 
  private:

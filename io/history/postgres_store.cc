@@ -137,8 +137,8 @@ class PostgresStore final : public SqlStore {
     return locked;
   }
   Result<SqlSchema> schema() override {
-    // Of one statement, which sees the tables of one moment: between two, another program may make all of
-    // them, and what is ours would look like another's.
+    // One statement, which sees the tables of one moment. With two statements, another program may create all
+    // tables between them, and our own tables would look like those of another program.
     PqStatement tables(connection_,
                        "SELECT count(*) FILTER (WHERE tablename = 'octant_history'), "
                        "count(*) FILTER (WHERE tablename IN ('document', 'visit', 'beacon')) "

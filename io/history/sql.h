@@ -15,8 +15,8 @@
 
 namespace octant::io {
 
-/// How long a writer waits for others [s]: an addition takes milliseconds, so that some hundred writers may
-/// stand in line.
+/// Time for which a writer waits for others [s]. An addition needs milliseconds, so some hundred writers can
+/// queue.
 inline constexpr int kPatience_s = 30;
 
 /// A prepared statement of a store. Values are bound from 1 (?1, ?2, ...) and read from 0, as SQLite counts.
@@ -40,7 +40,7 @@ class SqlStatement {
     (bind(++at, values), ...);
     return *this;
   }
-  /// The next row; false: there is none.
+  /// Steps to the next row; false at the end.
   [[nodiscard]] virtual Result<bool> next() = 0;
   /// Calls visit() at each row.
   template <class Visit>
@@ -70,11 +70,11 @@ class SqlStatement {
   virtual void put_null(int at) = 0;
 };
 
-/// What a store holds before anything is read of it.
+/// State of a store before it is used.
 struct SqlSchema {
   std::int64_t version = 0;
   bool ours = false;   ///< a history wrote it
-  bool empty = false;  ///< there is nothing, and one may be made
+  bool empty = false;  ///< empty, and may be created
 };
 
 /// A database, by its path or connection string. What the dialects share is written once, by whoever calls;
@@ -86,24 +86,24 @@ class SqlStore {
   /// Statements without rows, one or several.
   [[nodiscard]] virtual Result<void> run(const std::string& sql) = 0;
   [[nodiscard]] virtual Result<std::unique_ptr<SqlStatement>> prepare(std::string_view sql) = 0;
-  /// Begins at once as the only writer, so that nobody has read what another is about to change.
+  /// Begins as the only writer at once, so that no other program reads data that this one is about to change.
   [[nodiscard]] virtual Result<void> begin() = 0;
   [[nodiscard]] virtual Result<SqlSchema> schema() = 0;
   [[nodiscard]] virtual Result<void> set_version(std::int64_t version) = 0;
   /// Type of a column whose numbers the store gives, from 1.
   [[nodiscard]] virtual std::string identity() const = 0;
-  /// What was to be put in did not go in: a store that was made for it goes with this object if it is empty.
+  /// Undoes a failed addition: a store that was created for it is removed if it is empty.
   virtual void give_up() {}
-  /// It is in. Error: somebody has taken the store away meanwhile.
+  /// Confirms a complete addition. Error: the store was removed in the meantime.
   [[nodiscard]] virtual Result<void> keep() { return {}; }
   /// As it is named in messages, without passwords.
   [[nodiscard]] virtual std::string name() const = 0;
 };
 
-/// One SQLite file in write-ahead-log mode: readers never wait for a writer, writers wait for each other for
-/// up to kPatience_s. What a process leaves when it dies is taken back or carried through by whoever opens
-/// the file next. A full disk leaves no file that was made in vain (give_up()). Errors: missing (unless it
-/// may be created), no database, no place to write, held by others.
+/// One SQLite file in write-ahead-log mode: readers never wait for a writer, and writers wait for each other
+/// up to kPatience_s. The next program that opens the file rolls back or completes the work of a killed
+/// process. If the disk is full, a newly created file is removed (give_up()). Errors: missing (unless it may
+/// be created), not a database, a read-only place, locked by other programs.
 [[nodiscard]] Result<std::unique_ptr<SqlStore>> open_sqlite(const std::string& path, bool create);
 /// The tables of a PostgreSQL database, in the first schema of its search path; writers take turns by an
 /// advisory lock. Errors: no connection; this Octant was built without.

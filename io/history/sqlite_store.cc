@@ -15,9 +15,9 @@ namespace {
 
 using SqlClock = std::chrono::steady_clock;
 constexpr std::chrono::seconds kPatience{kPatience_s};
-/// "Octa" in the file's head: tells a history from the databases of other programs.
+/// "Octa" in the header of the file distinguishes a history from the databases of other programs.
 constexpr std::int64_t kApplicationId = 0x4F637461;
-constexpr std::uintmax_t kPage = 4096;  ///< of a file that is made here
+constexpr std::uintmax_t kPage = 4096;  ///< bytes of a page of a file that is created here
 
 tl::unexpected<Error> sql_failure(const std::string& path, int code, const std::string& words) {
   switch (code & 0xFF) {
@@ -208,7 +208,7 @@ Result<std::unique_ptr<SqlStore>> open_sqlite(const std::string& path, bool crea
     store->give_up();
     return fail(ready.error());
   }
-  // Every commit is on the disk before it is told: what was added stays, whatever happens to the machine.
+  // Each commit is on the disk before the call returns, so that a power failure loses no addition.
   if (auto set = store->run("PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON"); !set)
     return fail(set.error());
   return store;

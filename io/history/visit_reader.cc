@@ -41,7 +41,7 @@ Result<Visit> visit_of_deployment(const nlohmann::json& json, const std::string&
   return visit;
 }
 
-/// The head that verify and monitor put before their figures.
+/// Members that `verify` and `monitor` write before their figures.
 Result<Visit> visit_of_result(const nlohmann::json& json, const std::string& text, const std::string& file) {
   if (!json.is_object() || !json.contains("kind"))
     return fail(

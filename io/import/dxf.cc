@@ -22,7 +22,7 @@ constexpr std::size_t kLargestDxf = std::size_t{1} << 28;
 struct Group {
   int code = 0;
   std::string_view value;
-  int line = 0;  ///< of the value
+  int line = 0;  ///< line of the value
 };
 
 class Groups {
@@ -58,7 +58,7 @@ class Groups {
     return value;
   }
 
-  /// Flags, units: 0 where it is none.
+  /// Flags and units as an integer; 0 if the text is no integer.
   int integer(const Group& group) {
     constexpr double kMost = 1e9;
     const double value = number(group);
@@ -91,7 +91,7 @@ class Groups {
   int line_ = 0;
 };
 
-/// Metres in a unit of $INSUNITS; 0: none stated, -1: one that plans are not drawn in.
+/// Metres per unit of $INSUNITS; 0: not stated, -1: a unit that plans do not use.
 double metres_of(int unit) {
   switch (unit) {
     case 0: return 0.0;

@@ -17,7 +17,8 @@
 namespace octant::io {
 namespace {
 
-constexpr double kNothingSeen_m = 80.0;  ///< what CARMEN's lasers write then is 81.83 and the like
+constexpr double kNothingSeen_m =
+    80.0;  ///< CARMEN's lasers write 81.83 and similar values when a beam has no return
 constexpr std::size_t kMostBeams = 4096;
 
 /// The words of one line of a CARMEN log, read off from the front.
@@ -191,7 +192,7 @@ class CarmenReader {
     log_.scans.push_back(std::move(scan));
   }
 
-  /// Odometry's pose at an instant; false where that lies before one that was told already.
+  /// Adds the pose of the odometry at a time; false if the time precedes that of an earlier line.
   bool moved(double time_s, const OdometryPose& now) {
     if (!log_.odometry.empty() && time_s < log_.odometry.back().time_s) {
       ++backwards_;

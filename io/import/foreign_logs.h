@@ -14,16 +14,16 @@
 // Logs of other programs and devices, as `octant convert` makes run folders of them.
 namespace octant::io {
 
-/// CARMEN log (text): laser scans of FLASER and ROBOTLASER1 lines, odometry of ODOM lines and of the scans'
-/// own. Other messages are passed over; which, is in the warnings. Times are those of the logger, the last
-/// number of a line; lines of an earlier time than one before are left out and counted in a warning. FLASER
-/// says nothing of its angles: half a turn ahead, in steps of half a turn over the number of readings (180,
-/// 360), or over one less (181, 361). Readings of 80 m and more saw nothing. Errors: kBadInput with line and
-/// what was expected.
+/// Reads a CARMEN log (text): laser scans of FLASER and ROBOTLASER1 lines, odometry of ODOM lines and of the
+/// scans. Other messages are skipped and listed in the warnings. Times are those of the logger, the last
+/// number of a line. Lines with an earlier time than one before are left out and counted in a warning. FLASER
+/// does not state its angles: the field of view is 180 degrees ahead, in steps of 180 degrees over the number
+/// of beams (180, 360), or over one less (181, 361). Ranges of 80 m and more are beams without a return.
+/// Errors: kBadInput with line and expected content.
 [[nodiscard]] Result<MeasurementLog> read_carmen_log(const std::string& path);
 
-/// Readings of a counter card, CSV: time_s, beacon, counts; optional epoch, vehicle, receiver. Rows of the
-/// same epoch (without one: of the same time) are ordered as they stand.
+/// Counter values of a counter card, CSV: time_s, beacon, counts; optional epoch, vehicle, receiver. Rows of
+/// the same epoch (without epochs: of the same time) keep their order.
 [[nodiscard]] Result<std::vector<CounterReading>> read_counter_log(const std::string& path,
                                                                    const NameTable& names);
 

@@ -40,8 +40,8 @@ struct RosMap {
   enum Cell : std::uint8_t { kFree, kOccupied, kUnknown };
   std::size_t columns = 0, rows = 0;
   double resolution_m = 0.05;
-  Eigen::Vector2d origin_m = Eigen::Vector2d::Zero();  ///< of the lower left corner
-  double yaw_rad = 0.0;                                ///< of the columns' direction
+  Eigen::Vector2d origin_m = Eigen::Vector2d::Zero();  ///< position of the lower left corner
+  double yaw_rad = 0.0;                                ///< direction of the columns
   std::vector<std::uint8_t> cells;                     ///< Cell, row by row
   std::string image;                                   ///< the PGM
   [[nodiscard]] Eigen::Vector2d place_m(double column, double row) const;

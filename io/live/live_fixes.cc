@@ -140,7 +140,7 @@ std::string fix_as_nmea(const Fix& fix, const EarthOrigin& origin) {
       std::sqrt(std::max(east.dot(C * east), 0.0)), spatial ? sigma_of_fix(fix.covariance, 2) : 0.0));
   const Eigen::Index h = heading_row(fix.covariance);
   if (fix.covariance(h, h) < kUnknownRotationVariance) {
-    // Of the compass: clockwise from north.
+    // Compass heading: clockwise from north.
     double heading_deg = (origin.north_rad - fix.T_map_vehicle.heading_rad()) * 180 / std::numbers::pi;
     heading_deg -= 360 * std::floor(heading_deg / 360);
     text += with_checksum(fmt::format("GPHDT,{:.3f},T", heading_deg >= 359.9995 ? 0.0 : heading_deg));

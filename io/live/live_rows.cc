@@ -23,14 +23,14 @@ tl::unexpected<Error> bad_line(std::string found, std::string expected = "") {
   return fail({.code = Errc::kBadInput, .found = std::move(found), .expected = std::move(expected)});
 }
 
-/// Of a value that is no number, or not finite, NaN; of one that is not there, what is given.
+/// Number of a member; NaN if it is not a finite number, the fallback if the member is missing.
 double live_number(const LiveObject& object, const char* key, double absent) {
   const auto at = object.find(key);
   if (at == object.end() || at->is_null()) return absent;
   return at->is_number() ? at->get<double>() : std::nan("");
 }
 
-/// Empty where there is none; no value where it is no text (numbers are names as they stand).
+/// Text of a member, empty if it is missing; no value if it is not a text (numbers count as names).
 std::optional<std::string> live_name(const LiveObject& object, const char* key) {
   const auto at = object.find(key);
   if (at == object.end() || at->is_null()) return "";

@@ -13,9 +13,9 @@
 
 namespace octant::io {
 
-/// Nothing more is coming of the pose that is open: {"flush": true}
+/// Completes the pose that is open: {"flush": true}
 struct LiveFlush {};
-/// What a line says; std::monostate: nothing (it is empty, or a comment).
+/// Content of a line; std::monostate for an empty line or a comment.
 using LiveRow = std::variant<std::monostate, Arrival, OdometryStep, LiveFlush>;
 
 /// Lines of a live stream (schema `live`): a JSON object each, with the names of a run folder's columns:
@@ -26,7 +26,7 @@ using LiveRow = std::variant<std::monostate, Arrival, OdometryStep, LiveFlush>;
 /// Keys that are not known are ignored.
 class LiveReader {
  public:
-  /// @param constant_speed_mps  at which distance_m may stand for tof_s; 0: it may not
+  /// @param constant_speed_mps  speed with which distance_m may replace tof_s; 0: it may not
   explicit LiveReader(NameTable names, double constant_speed_mps = 0.0);
   ~LiveReader();
   LiveReader(LiveReader&&) noexcept;
@@ -42,8 +42,7 @@ class LiveReader {
   double constant_speed_mps_ = 0.0;
 };
 
-/// Cuts a stream of bytes into lines. Memory is bounded: of a line that is longer than `most` bytes nothing
-/// is kept but that there was one.
+/// Splits a stream of bytes into lines. Memory is bounded: a line longer than `most` bytes is only counted.
 class LineCutter {
  public:
   explicit LineCutter(std::size_t most = 65536) : most_(most) {}

@@ -29,8 +29,7 @@ std::string_view site_schema_with_scene() {
   return text;
 }
 
-/// @param file  where the format's x-files have it, it alone is kept, and none of the keys, which are of
-/// another
+/// @param file  if it is one of the format's x-files, only this file is kept, without the keys of the format
 SchemaJson parsed_schema(std::string_view format, std::string_view file) {
   SchemaJson root = SchemaJson::parse(schema(format));
   if (!root.contains("x-files") || !root["x-files"].contains(file)) return root;

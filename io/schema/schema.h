@@ -12,11 +12,11 @@ namespace octant::io {
 /// each column of a format's files ("x-files"), has a description, a unit ("x-unit") and an example.
 [[nodiscard]] std::string_view schema(std::string_view format);
 
-/// What the schema of a format says of one of its x-files alone (tof.csv of run); the whole where it has none
-/// of that name.
+/// The part of a format's schema for one of its x-files (tof.csv of run); the whole schema if it has no such
+/// file.
 [[nodiscard]] std::string schema_of_file(std::string_view format, std::string_view file);
 
-/// The same as a page of Markdown: a row for each key and column, with its unit, default and example.
+/// The schema as a page of Markdown: a row for each key and column, with its unit, default and example.
 [[nodiscard]] std::string schema_page(std::string_view format, std::string_view file = {});
 
 }  // namespace octant::io

@@ -41,7 +41,7 @@ class BatchReader {
     if (map.has("report")) site.report = output(map, "report", map.required_text("report"));
   }
 
-  /// A path to write; an error where it is none, or where another site writes there.
+  /// An output path; an error if it is empty, or if another site writes to it.
   std::string output(YamlMap& map, const char* key, const std::string& text) {
     if (log_.error) return {};
     if (text.empty() || text == "-")

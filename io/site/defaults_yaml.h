@@ -10,11 +10,11 @@
 
 namespace octant::io {
 
-/// What somebody would otherwise type with every command. Only what changes no result is here, so that a
-/// deployment does not hang on a file that nobody sees.
+/// Options that a user would otherwise repeat with every command. Only options that change no result are
+/// allowed, so that a deployment never depends on a hidden file.
 struct Defaults {
   std::optional<int> threads;           ///< 0: all cores
-  std::optional<std::string> progress;  ///< auto, plain, json or none
+  std::optional<std::string> progress;  ///< "auto", "plain", "json" or "none"
   std::optional<bool> quiet, verbose;
   std::vector<std::string> warnings;
 };

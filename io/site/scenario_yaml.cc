@@ -117,7 +117,7 @@ void read_sensors(YamlMap& root, YamlLog& log, Scenario& scenario) {
       scenario.walls_m.push_back({w[0], w[1], w[2], w[3]});
 }
 
-/// The held-out run goes like the calibration run, with a third of its epochs or half of its time.
+/// The validation run follows the calibration run, with a third of its epochs or half of its time.
 Scenario::Path shorter(Scenario::Path path) {
   path.epochs = (path.epochs + 2) / 3;
   path.duration_s /= 2;

@@ -10,11 +10,11 @@
 
 namespace octant::io {
 
-/// Reads a scenario file: `octant_scenario: 1`, `site:` (a site file's content, true positions) and the keys
-/// of Scenario. Errors name file, line and column. Keys that nobody knows, and the site's warnings, are in
+/// Reads a scenario file: `octant_scenario: 1`, `site:` (the content of a site file, with true positions) and
+/// the keys of Scenario. Errors name file, line and column. Unknown keys and the site's warnings are in
 /// Scenario::warnings.
 [[nodiscard]] Result<Scenario> read_scenario(const std::string& path);
-/// The same from its text; `file` is what errors call it.
+/// Reads a scenario from a text; `file` is its name in messages.
 [[nodiscard]] Result<Scenario> scenario_from_yaml(std::string_view text, const std::string& file);
 
 /// Text of datasets/hall/scenario.yaml, the world that `octant demo` runs without any argument.

@@ -16,7 +16,7 @@
 namespace octant::io {
 namespace {
 
-constexpr double kImportedSlack = 1.0;  ///< pixels that a beacon may stand in an occupied cell
+constexpr double kImportedSlack = 1.0;  ///< largest distance in pixels of a beacon inside an occupied cell
 
 std::vector<Eigen::Vector2d> required_points(YamlMap& map, YamlLog& log, const char* key = "points_m") {
   const YamlNode node = map.block(key);

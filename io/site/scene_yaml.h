@@ -10,9 +10,9 @@
 
 namespace octant::io {
 
-/// The `scene:` block of a site file; nothing where it has none. Plans that the block imports (DXF, ROS maps)
-/// are read from beside the site file. Errors name file, line, column and element; whether its geometry makes
-/// sense is survey's to say.
+/// Reads the `scene:` block of a site file; no value if it is missing. Plans that the block imports (DXF, ROS
+/// maps) are found relative to the site file. Errors name file, line, column and element. The module survey
+/// checks whether the geometry is plausible.
 [[nodiscard]] Result<std::optional<Scene>> read_site_scene(const std::string& site_path);
 
 /// A file with a scene alone: `octant_scene: 1` and the keys of the block.

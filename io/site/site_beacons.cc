@@ -13,7 +13,7 @@
 namespace octant::io {
 namespace {
 
-/// To a tenth of a millimetre: nobody drills finer.
+/// Rounded to a tenth of a millimetre, finer than anchors can be mounted.
 std::string number(double value) { return fmt::format("{:.4f}", std::round(value * 1e4) / 1e4 + 0.0); }
 
 void write_point(YamlWriter& out, const Eigen::Vector3d& p) {

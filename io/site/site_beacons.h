@@ -26,10 +26,10 @@ struct SiteBeaconsText {
   std::vector<std::string> warnings;
 };
 
-/// Text of a site file with other beacons: those of the file stay (`keep`) or go, the new ones come behind
-/// them, everything else is as it was but for its comments. Control distances to beacons that went go too,
-/// with a warning. Axes go into the scene block where the file has one. Errors: those of reading a site file,
-/// of the old text and of the new.
+/// Returns the text of a site file with other beacons. The beacons of the file stay (`keep`) or are removed,
+/// the new ones follow them, and all other content except comments is unchanged. Control distances to removed
+/// beacons are removed too, with a warning. Axes are written into the scene block if the file has one.
+/// Errors: those of reading a site file, for the old text and for the new one.
 /// @param path  of the file, for messages
 [[nodiscard]] Result<SiteBeaconsText> with_beacons(std::string_view site_yaml, const std::string& path,
                                                    const std::vector<SiteBeaconEntry>& beacons, bool keep);

@@ -17,8 +17,8 @@ namespace octant::io {
 class UniqueIds {
  public:
   UniqueIds(const char* kind, YamlLog& log) : kind_(kind), log_(log) {}
-  /// The `id` of an entry. Errors: missing, no name, used before.
-  /// @param otherwise  of an entry that has none; empty: it must have one
+  /// The `id` of an entry. Errors: missing, not a name, used before.
+  /// @param otherwise  the id of an entry without one; empty: the id is required
   std::string take(YamlMap& map, const std::string& otherwise = "");
 
  private:
@@ -35,8 +35,8 @@ using Coordinates = std::array<std::optional<double>, 3>;
 /// A number for all three axes, or [sx, sy, sz].
 [[nodiscard]] Coordinates read_sigmas(const YamlNode& node, const std::string& name, YamlLog& log);
 
-/// `axis`, a direction that need not be of unit length; none where there is no such key. @param example  in
-/// the message where it has no length
+/// `axis`, a direction of any length above zero; no value if the key is missing.
+/// @param example  shown in the message about a vector of zero length
 [[nodiscard]] std::optional<Eigen::Vector3d> read_axis(YamlMap& map, const char* example, YamlLog& log);
 
 /// The block `odometry` of a run.yaml and of a scenario.

@@ -47,7 +47,7 @@ std::string delay_per_text(const DelayPer& per) {
 void write_medium(const Site& site, SiteOut out) {
   const Medium& m = site.medium;
   fmt::format_to(out, "medium:\n  model: {}\n", to_string(m.model));
-  // Beside a model of the air or the sea it is a number that nothing takes; what was stated stays.
+  // With a model of air or sea water the number is not used; the stated value is kept.
   if (m.model == MediumModel::kConstant || m.speed_mps != Medium{}.speed_mps)
     fmt::format_to(out, "  speed_mps: {}\n", m.speed_mps);
   fmt::format_to(out, "  temperature_degC: {}\n", m.temperature_degC);

@@ -114,7 +114,7 @@ void read_noise(const YamlNode& node, Site& site, YamlLog& log) {
   map.finish();
 }
 
-/// {value: 12.5, sigma: 3.0}, or the value alone: held fixed.
+/// {value: 12.5, sigma: 3.0}, or the value alone, which is then fixed.
 Prior read_prior(YamlMap& parent, const char* key, NumberRange range, YamlLog& log) {
   const YamlNode node = parent.block(key);
   if (!node.is_defined()) {
@@ -148,7 +148,7 @@ void read_attenuation(const YamlNode& node, Site& site, YamlLog& log) {
   site.attenuation = prior;
 }
 
-/// After the tolerance, which a drift is held against.
+/// Read after the tolerance, with which a drift is compared.
 void read_validity_period(YamlMap& root, Site& site, YamlLog& log) {
   YamlMap validity(root.block("validity"), "validity", log);
   site.validity.months = validity.optional_number("months", kPositive);
@@ -185,7 +185,7 @@ void read_control(YamlMap& root, Site& site, YamlLog& log) {
   control.finish();
 }
 
-/// Delays that are held fixed because nobody said how well they are known.
+/// Warns about delays that are fixed because their sigma is not stated.
 void warn_of_held_delays(YamlMap& root, const Site& site, YamlLog& log) {
   const YamlNode node = root.block("timing");
   const DelayPer& per = site.timing.delay_per;
@@ -197,7 +197,7 @@ void warn_of_held_delays(YamlMap& root, const Site& site, YamlLog& log) {
     log.warn(node, "timing.delay_sigma_s is not given; the delays are held fixed (delay_sigma_s: 0)");
 }
 
-/// What a directional attenuation needs.
+/// Checks the keys that a directional attenuation needs.
 void check_axes(YamlMap& root, const Site& site, YamlLog& log) {
   if (log.error || !site.attenuation || !(site.attenuation->half_power_angle_rad.value > 0)) return;
   for (const SiteReceiver& receiver : site.receivers)
