@@ -9,6 +9,7 @@
 
 #include "models/localizers/binaural/binaural.h"
 #include "models/localizers/common/localizer.h"
+#include "models/localizers/common/rows_by_pose.h"
 #include "models/localizers/drive/tracker.h"
 #include "models/localizers/head_tail/head_tail.h"
 #include "models/localizers/kleeman/kleeman.h"
@@ -47,33 +48,11 @@ bool can_chain(const Deployment& deployment) {
   return deployment.motion == Motion::kPlanar && deployment.timing.clock == Clock::kSynchronised;
 }
 
-/// Rows of one vehicle, and where each of its poses begins.
-template <class Row>
-struct Poses {
-  std::vector<Row> rows;
-  std::vector<std::size_t> first;
-
-  Poses(const std::vector<Row>& all, VehicleId vehicle, bool epochs) {
-    for (const Row& row : all) {
-      if (row.vehicle != vehicle) continue;
-      const bool next = rows.empty() || (epochs ? row.epoch != rows.back().epoch
-                                                : row.time_s - rows.back().time_s > kSamePing_s);
-      if (next) first.push_back(rows.size());
-      rows.push_back(row);
-    }
-    first.push_back(rows.size());
-  }
-  [[nodiscard]] std::size_t count() const { return first.size() - 1; }
-  [[nodiscard]] std::span<const Row> pose(std::size_t i) const {
-    return std::span<const Row>(rows).subspan(first[i], first[i + 1] - first[i]);
-  }
-};
-
 /// Arrivals and bearings of the same pose together: of the same epoch, or of about the same time.
 template <class Visit>
 void for_each_pose(const MeasurementLog& run, VehicleId vehicle, Visit&& visit) {
-  const Poses<Arrival> arrivals(run.arrivals, vehicle, run.has_epochs);
-  const Poses<Bearing> bearings(run.bearings, vehicle, run.has_epochs);
+  const RowsByPose<Arrival> arrivals(run.arrivals, vehicle, run.has_epochs);
+  const RowsByPose<Bearing> bearings(run.bearings, vehicle, run.has_epochs);
   std::size_t b = 0;
   const auto comes_before = [&](const Bearing& bearing, const Arrival& arrival) {
     return run.has_epochs ? bearing.time_s < arrival.time_s && bearing.epoch != arrival.epoch
@@ -176,6 +155,7 @@ Result<void> method_fits(Method method, const Deployment& deployment, const Meas
       if (!input.line_map) return missing("no line map", "--map with a run of scans and measured poses");
       return line_map_fits(*input.line_map, run);
     case Method::kTracker:
+      if (run.has_epochs && may_track_in_space(deployment, run)) return {};
       if (run.has_epochs && run.odometry.empty())
         return missing("stops without odometry", "odometry.csv between them, or a drive: no epoch column");
       if (run.has_epochs && !can_chain(deployment))

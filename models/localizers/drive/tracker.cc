@@ -283,7 +283,8 @@ std::vector<Fix> track(const MeasurementLog& all_rows, const Deployment& deploym
   MeasurementLog room;
   const MeasurementLog& log = known_rows(all_rows, deployment, room);
   const SpaceTrackOptions in_space{.rejection_sigmas = options.rejection_sigmas, .protect = options.protect};
-  if (is_drive_in_space(deployment, log)) return track_in_space(log, deployment, in_space);
+  const bool epochs_in_space = log.has_epochs && may_track_in_space(deployment, log);
+  if (epochs_in_space || is_drive_in_space(deployment, log)) return track_in_space(log, deployment, in_space);
   std::vector<Fix> fixes;
   const EpochFixModel model = epoch_fix_model(deployment);
   const CalibrationPart calibration(deployment);

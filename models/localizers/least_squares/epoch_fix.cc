@@ -13,8 +13,10 @@
 #include "models/localizers/least_squares/candidates.h"
 #include "models/localizers/least_squares/linear_ranges.h"
 #include "models/localizers/least_squares/node_adjustment.h"
+#include "models/localizers/least_squares/place_fix.h"
 #include "models/localizers/least_squares/rivals.h"
 #include "models/localizers/least_squares/spatial_start.h"
+#include "models/physics/plane.h"
 #include "models/support/observed.h"
 #include "models/trajectory/decompositions.h"
 #include "models/trajectory/planar.h"
@@ -22,9 +24,6 @@
 namespace octant {
 namespace {
 
-constexpr double kFirstGate =
-    1.5;  ///< the search ends near the optimum, not at it: the first gate is wider by this
-constexpr int kOutlierRounds = 8;
 constexpr double kHeadingStepM = 0.05;
 constexpr int kMaxHeadings = 24;
 
@@ -58,33 +57,6 @@ Count count(const Trajectory& t, const Segment& segment, const EpochFixModel& mo
   return c;
 }
 
-/// Bearings that contradict the pose; they are neither late nor early, so their reason is of the side they
-/// are off to.
-bool reject_bearings(Trajectory& t, const Segment& segment, const EpochFixModel& model, double uncertainty_m,
-                     double sigmas) {
-  bool changed = false;
-  ObservationRow row;
-  for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
-    BearingObservation& b = t.bearings[i];
-    if (b.rejection == Rejection::kBeaconUnusable || bearing_rows(t, i, model.state, &row) == 0) continue;
-    const double d =
-        (model.state.beacon_p_map_m[b.reflector.index()] - t.nodes[b.node].T_map_vehicle.translation_m)
-            .head<2>()
-            .norm();
-    double variance = b.sigma_rad * b.sigma_rad + std::pow(uncertainty_m / std::max(d, 1e-3), 2);
-    if (b.reflector.index() < model.beacon_covariance.size())
-      variance +=
-          model.beacon_covariance[b.reflector.index()].topLeftCorner<2, 2>().trace() / std::max(d * d, 1e-6);
-    const double off = row.residual * b.sigma_rad / std::sqrt(variance);
-    const Rejection rejection = std::abs(off) <= sigmas ? Rejection::kUsed
-                                : off > 0               ? Rejection::kLate
-                                                        : Rejection::kEarly;
-    changed = changed || rejection != b.rejection;
-    b.rejection = rejection;
-  }
-  return changed;
-}
-
 void set_node(const Trajectory& t, const SearchProblem& problem, Node& node, const PlanarState& s) {
   node.T_map_vehicle = Pose::planar(s.x_m, s.y_m, s.heading_rad);
   if (t.has_cycle_offset) node.cycle_offset_s = s.offset_m / problem.speed_mps;
@@ -110,32 +82,32 @@ PlanarState start_at_measured_pose(const PoseObservation& measured, const Search
   return best;
 }
 
-/// Adjusts and rejects in turn until no rejection changes. Each arrival is judged by its own sigma and
-/// weighed by what it adds to the others of its pair.
-NodeAdjustment adjust_and_reject(Trajectory& t, const Segment& segment, const EpochFixModel& model,
-                                 const EpochFixOptions& options, CorrelatedArrivals& sigmas) {
-  const auto adjust = [&] {
-    sigmas.weigh();
-    return adjust_node(t, segment, model.state, options.range_uncertainty_m);
-  };
-  reject_arrivals(t, segment, model, options.range_uncertainty_m, kFirstGate * options.rejection_sigmas);
-  reject_bearings(t, segment, model, options.range_uncertainty_m, 2 * kFirstGate * options.rejection_sigmas);
-  NodeAdjustment adjustment = adjust();
-  for (int round = 0; round < kOutlierRounds; ++round) {
-    sigmas.restore();
-    const bool arrivals =
-        reject_arrivals(t, segment, model, options.range_uncertainty_m, options.rejection_sigmas);
-    const bool bearings =
-        reject_bearings(t, segment, model, options.range_uncertainty_m, options.rejection_sigmas);
-    if (!arrivals && !bearings) break;
-    adjustment = adjust();
-  }
-  sigmas.weigh();
-  return adjustment;
-}
-
 double horizontal_sigma_m(const PoseCovariance& covariance) {
   return std::sqrt(std::max(largest_eigenvalue(covariance(0, 0), covariance(0, 1), covariance(1, 1)), 0.0));
+}
+
+/// Root of the mean variance of the ranges in use.
+double mean_range_sigma_m(const Trajectory& t, const Segment& segment, const EpochFixModel& model) {
+  double sum_m2 = 0.0;
+  int count = 0;
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+    const ArrivalObservation& a = t.arrivals[i];
+    if (a.rejection != Rejection::kUsed) continue;
+    sum_m2 += square(a.sigma_s * (a.model_speed_mps + model.state.speed_offset(t.run)) / a.legs());
+    ++count;
+  }
+  return std::sqrt(sum_m2 / std::max(count, 1));
+}
+
+/// Whether a fix means little: its sigma is large by itself, and beside that of the ranges.
+bool is_poor(const Trajectory& t, const Segment& segment, const EpochFixModel& model,
+             const EpochFixOptions& options, bool place_alone, const PoseCovariance& covariance) {
+  constexpr double kMaxDilution = 10.0;
+  const double sigma_m =
+      place_alone
+          ? std::sqrt(SymmetricEigen<Eigen::Matrix3d>(covariance.topLeftCorner<3, 3>()).eigenvalues()[2])
+          : horizontal_sigma_m(covariance);
+  return sigma_m > std::max(options.max_sigma_m, kMaxDilution * mean_range_sigma_m(t, segment, model));
 }
 
 /// At the mirror image of a pose all ranges fit, and one bearing is met by the heading: most of them speak
@@ -282,7 +254,8 @@ bool fix_in_closed_form(Trajectory& t, const Segment& segment, const EpochFixMod
     node.placed = false;
     start = PlanarState{node.T_map_vehicle.translation_m.x(), node.T_map_vehicle.translation_m.y(),
                         node.T_map_vehicle.heading_rad(), 0.0};
-    adjustment = adjust_and_reject(t, segment, model, options, sigmas);
+    adjustment =
+        adjust_and_reject(t, segment, model, options.range_uncertainty_m, options.rejection_sigmas, sigmas);
     c = count(t, segment, model);
     if (is_beyond_doubt(t, segment, c, adjustment)) return true;
     sigmas.restore();
@@ -292,10 +265,12 @@ bool fix_in_closed_form(Trajectory& t, const Segment& segment, const EpochFixMod
   return false;
 }
 
-}  // namespace
+/// Unknowns of a node besides its cycle offset, where nothing but the place is sought.
+constexpr int kPlaceUnknowns = 3;
 
-void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model,
-               const EpochFixOptions& options, Fix& fix) {
+/// @param place_alone  the model is a PlaceModel's
+void fix_node(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+              const EpochFixOptions& options, bool place_alone, Fix& fix) {
   clear(fix);
   Node& node = t.nodes[segment.first_node];
   node.placed = false;
@@ -306,7 +281,10 @@ void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model
   reset_rejections(t, segment, model);
   Count c = count(t, segment, model);
   // Position (and offset) at least; the heading may stay open.
-  const int least = (t.motion == Motion::kPlanar ? 2 : 6) + (t.has_cycle_offset ? 1 : 0);
+  const int least = (t.motion == Motion::kPlanar ? 2
+                     : place_alone               ? kPlaceUnknowns
+                                                 : 6) +
+                    (t.has_cycle_offset ? 1 : 0);
   const bool enough = c.poses > 0 || (c.heard + c.bearings >= least && c.beacons_heard + c.bearings >= 2);
   bool found = false, ambiguous = false;
   NodeAdjustment adjustment;
@@ -317,6 +295,7 @@ void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model
   const bool search = !found;
   if (enough && search)
     ambiguous = t.motion == Motion::kPlanar ? start_planar(t, segment, model, options, start, found)
+                : place_alone               ? start_place(t, segment, model, options, found)
                                             : start_spatial(t, segment, model, options, found);
   if (!found) {
     fix.status = FixStatus::kTooFewArrivals;
@@ -324,7 +303,8 @@ void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model
     return;
   }
   if (search) {
-    adjustment = adjust_and_reject(t, segment, model, options, sigmas);
+    adjustment =
+        adjust_and_reject(t, segment, model, options.range_uncertainty_m, options.rejection_sigmas, sigmas);
     c = count(t, segment, model);
   }
   fix.T_map_vehicle = node.T_map_vehicle;
@@ -332,11 +312,12 @@ void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model
   report_arrivals(t, segment.first_arrival, segment.last_arrival, fix);
   const bool determined = pose_covariance(t, adjustment.information, fix.covariance);
   const bool heading_open = t.motion == Motion::kPlanar && determined && fix.covariance(2, 2) > 1.0;
-  const int unknowns = pose_dof(t.motion) + (t.has_cycle_offset ? 1 : 0) - (heading_open ? 1 : 0);
+  const int unknowns = (place_alone ? kPlaceUnknowns : pose_dof(t.motion)) + (t.has_cycle_offset ? 1 : 0) -
+                       (heading_open ? 1 : 0);
   if (!is_consensus(c, unknowns)) {
     fix.status = c.heard == c.used && !bearings_speak_against(c) ? FixStatus::kTooFewArrivals
                                                                  : FixStatus::kNoConsensus;
-  } else if (!determined || horizontal_sigma_m(fix.covariance) > options.max_sigma_m) {
+  } else if (!determined || is_poor(t, segment, model, options, place_alone, fix.covariance)) {
     fix.status = FixStatus::kPoorGeometry;
   } else if (ambiguous) {
     fix.status = FixStatus::kAmbiguous;
@@ -344,6 +325,43 @@ void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model
     fix.status = adjustment.converged ? FixStatus::kOk : FixStatus::kNotConverged;
   }
   node.placed = fix.ok();
+  if (!node.placed) sigmas.restore();
+}
+
+/// Whether three receivers that are not in line received enough for a pose, or it was measured.
+bool may_tell_attitude(const Trajectory& t, const Segment& segment, const EpochFixModel& model) {
+  constexpr double kInLine_m2 = 1e-4;
+  if (segment.first_pose != segment.last_pose) return true;
+  std::array<Eigen::Vector3d, 2> corners;
+  std::size_t known = 0;
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+    const Eigen::Vector3d& p = model.state.receiver_p_vehicle_m[t.arrivals[i].receiver.index()];
+    if (known == 2 && (corners[1] - corners[0]).cross(p - corners[0]).norm() > kInLine_m2) return true;
+    if (known == 0 || (known == 1 && (p - corners[0]).norm() > 1e-3)) corners[known++] = p;
+  }
+  return false;
+}
+
+}  // namespace
+
+void fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+               const EpochFixOptions& options, Fix& fix) {
+  fix_node(t, segment, model, options, false, fix);
+}
+
+const EpochFixModel& fix_pose_or_place(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                                       const PlaceModel& place, const EpochFixOptions& options, Fix& fix) {
+  if (may_tell_attitude(t, segment, model)) {
+    fix_node(t, segment, model, options, false, fix);
+    if (fix.ok()) return model;
+  }
+  for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
+    ArrivalObservation& a = t.arrivals[i];
+    const double speed = (a.model_speed_mps + model.state.speed_offset(t.run)) / a.legs();
+    a.sigma_s = std::hypot(a.sigma_s, std::sqrt(place.receiver_variance_m2[a.receiver.index()]) / speed);
+  }
+  fix_node(t, segment, place.model, options, true, fix);
+  return place.model;
 }
 
 Fix fix_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model,

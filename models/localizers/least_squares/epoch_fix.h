@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -26,7 +27,9 @@ struct EpochFixOptions {
   /// Extra standard deviation of every predicted range, for beacons known only roughly [m].
   double range_uncertainty_m = 0.0;
   double rejection_sigmas = 4.0;
-  double max_sigma_m = 1.0;    ///< a horizontal sigma beyond this is poor geometry
+  /// Geometry is poor where a horizontal sigma (of a place in space: the largest) is beyond this, and beyond
+  /// ten times that of a range.
+  double max_sigma_m = 1.0;
   int max_candidates = 640;    ///< poses tried in the coarse search
   bool bounded_search = true;  ///< SearchOptions::bounded
   /// No search where it could find nothing better: linear ranges place a planar node in closed form, it is
@@ -78,7 +81,10 @@ struct EpochFixModel {
 void fix_epoch(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                const EpochFixOptions& options, Fix& fix);
 
-/// Robust least-squares localizer: one fix an epoch, by the labelled bearings too where there are any.
+struct PlaceModel;
+
+/// Robust least-squares localizer: one fix an epoch, by the labelled bearings too where there are any. In
+/// space an epoch that leaves the attitude open gives a place (place_fix.h).
 class LeastSquaresLocalizer final : public Localizer {
  public:
   explicit LeastSquaresLocalizer(Deployment deployment, EpochFixOptions options = {});
@@ -91,12 +97,14 @@ class LeastSquaresLocalizer final : public Localizer {
 
  private:
   void locate_known(const Observations& observations, Fix& fix) noexcept override;
-  void finish(Trajectory& trajectory, const Segment& epoch, Fix& fix) const;
-  bool adjust_again(Trajectory& trajectory, const Segment& epoch, Fix& fix) const;
+  void fix_segment(Trajectory& trajectory, const Segment& epoch, Fix& fix) const;
+  void protect(Trajectory& trajectory, const Segment& epoch, const EpochFixModel& model, Fix& fix) const;
+  bool adjust_again(Trajectory& trajectory, const Segment& epoch, const EpochFixModel& model, Fix& fix) const;
 
   Deployment deployment_;
   EpochFixOptions options_;
   EpochFixModel model_;
+  std::shared_ptr<const PlaceModel> place_;  ///< in space
   CalibrationPart calibration_;
   TrajectoryModel trajectory_model_;
   Trajectory epoch_;

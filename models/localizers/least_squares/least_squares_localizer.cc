@@ -7,9 +7,11 @@
 
 #include "models/localizers/common/arrival_rejections.h"
 #include "models/localizers/common/correlated_arrivals.h"
+#include "models/localizers/common/open_attitude.h"
 #include "models/localizers/common/protection.h"
 #include "models/localizers/common/trajectory_model.h"
 #include "models/localizers/least_squares/node_adjustment.h"
+#include "models/localizers/least_squares/place_fix.h"
 
 namespace octant {
 namespace {
@@ -71,6 +73,30 @@ EpochFixModel epoch_fix_model(const Deployment& deployment) {
   return model;
 }
 
+std::shared_ptr<const PlaceModel> place_model(const Deployment& deployment, const EpochFixModel& model) {
+  auto place = std::make_shared<PlaceModel>();
+  place->model = model;
+  for (std::size_t v = 0; v < deployment.vehicles.size(); ++v)
+    place->p_centre_vehicle_m.push_back(receiver_centre_m(deployment, VehicleId(v)));
+  for (const DeploymentReceiver& r : deployment.receivers)
+    place->receiver_variance_m2.push_back(
+        open_attitude_variance_m2(r.position_m - place->p_centre_vehicle_m[r.vehicle.index()]));
+  for (Eigen::Vector3d& p : place->model.state.receiver_p_vehicle_m) p.setZero();
+  for (auto& axis : place->model.receiver_axis) axis.reset();
+  place->model.state.receiver_axis.clear();
+  return place;
+}
+
+void leave_attitude_open(const PlaceModel& place, Fix& fix) {
+  if (!fix.ok() || !fix.vehicle.valid() || fix.vehicle.index() >= place.p_centre_vehicle_m.size()) return;
+  const Eigen::Vector3d& p_centre_m = place.p_centre_vehicle_m[fix.vehicle.index()];
+  fix.covariance.rightCols<3>().setZero();
+  fix.covariance.bottomRows<3>().setZero();
+  fix.covariance.diagonal().head<3>().array() += open_attitude_variance_m2(p_centre_m);
+  fix.covariance.diagonal().tail<3>().setConstant(kUnknownRotationVariance);
+  if (fix.protection_level_m > 0.0) fix.protection_level_m += p_centre_m.norm();
+}
+
 LeastSquaresLocalizer::LeastSquaresLocalizer(Deployment deployment, EpochFixOptions options)
     : Localizer(deployment),
       deployment_(std::move(deployment)),
@@ -80,47 +106,59 @@ LeastSquaresLocalizer::LeastSquaresLocalizer(Deployment deployment, EpochFixOpti
       trajectory_model_(trajectory_model(deployment_)),
       scratch_(kScratchBytes) {
   options_.closed_form_first = true;
+  if (deployment_.motion == Motion::kSpatial) place_ = place_model(deployment_, model_);
   const std::size_t arrivals =
       kRowsEachPair * deployment_.beacons.size() * std::max<std::size_t>(deployment_.receivers.size(), 1);
   reserve_epoch(epoch_, arrivals, kRowsEachPair * deployment_.beacons.size());
 }
 
 /// The fix once more from the arrivals that are in use now; false where they do not make one.
-bool LeastSquaresLocalizer::adjust_again(Trajectory& trajectory, const Segment& epoch, Fix& fix) const {
+bool LeastSquaresLocalizer::adjust_again(Trajectory& trajectory, const Segment& epoch,
+                                         const EpochFixModel& model, Fix& fix) const {
   report_arrivals(trajectory, epoch.first_arrival, epoch.last_arrival, fix);
-  const NodeAdjustment adjustment =
-      adjust_node(trajectory, epoch, model_.state, options_.range_uncertainty_m);
+  const NodeAdjustment adjustment = adjust_node(trajectory, epoch, model.state, options_.range_uncertainty_m);
   fix.T_map_vehicle = trajectory.nodes[epoch.first_node].T_map_vehicle;
   fix.cost = adjustment.cost;
   if (!adjustment.converged || !pose_covariance(trajectory, adjustment.information, fix.covariance))
     return false;
-  calibration_.add_to(fix.covariance, trajectory, epoch, model_.state);
+  calibration_.add_to(fix.covariance, trajectory, epoch, model.state);
   return true;
 }
 
-/// What the arrivals' own noise does not tell: the calibration's part, and what a fault could do. A beacon
+void LeastSquaresLocalizer::fix_segment(Trajectory& trajectory, const Segment& epoch, Fix& fix) const {
+  const EpochFixModel* model = &model_;
+  if (place_) {
+    model = &fix_pose_or_place(trajectory, epoch, model_, *place_, options_, fix);
+  } else {
+    fix_epoch(trajectory, epoch, model_, options_, fix);
+  }
+  if (fix.ok()) calibration_.add_to(fix.covariance, trajectory, epoch, model->state);
+  // Beacons known roughly: their misfits are no faults.
+  if (fix.ok() && options_.range_uncertainty_m == 0.0) protect(trajectory, epoch, *model, fix);
+  if (model != &model_) leave_attitude_open(*place_, fix);
+}
+
+/// Bounds the error of a fix by what a fault could do. A beacon
 /// whose arrivals together contradict the others is left out where three others remain, which then must
 /// agree: two cannot tell which of them is at fault. Where that does not lead to agreement all stay in use,
 /// and the fix has no level.
-void LeastSquaresLocalizer::finish(Trajectory& trajectory, const Segment& epoch, Fix& fix) const {
+void LeastSquaresLocalizer::protect(Trajectory& trajectory, const Segment& epoch, const EpochFixModel& model,
+                                    Fix& fix) const {
   constexpr int kMostExcluded = 2, kFewestBeacons = 4;
-  if (!fix.ok()) return;
-  calibration_.add_to(fix.covariance, trajectory, epoch, model_.state);
-  if (options_.range_uncertainty_m > 0.0) return;  // beacons known roughly: their misfits are no faults
-  const BeaconErrors errors{model_.beacon_covariance,
-                            std::hypot(model_.correlated.sigma_s, model_.correlated.pair_sigma_s)};
+  const BeaconErrors errors{model.beacon_covariance,
+                            std::hypot(model.correlated.sigma_s, model.correlated.pair_sigma_s)};
   bool made = true;
   for (int excluded = 0; made; ++excluded) {
-    const Protection protection = protection_of(trajectory, epoch, model_.state, fix.covariance, errors);
+    const Protection protection = protection_of(trajectory, epoch, model.state, fix.covariance, errors);
     fix.protection_level_m = protection.level_m;
     if (!protection.at_fault.valid()) return;
     if (!options_.exclude_faulty_beacons || excluded == kMostExcluded || protection.beacons < kFewestBeacons)
       break;
     set_rejections(trajectory, epoch, protection.at_fault, Rejection::kUsed, Rejection::kBeaconFault);
-    made = adjust_again(trajectory, epoch, fix);
+    made = adjust_again(trajectory, epoch, model, fix);
   }
   if (set_rejections(trajectory, epoch, BeaconId(), Rejection::kBeaconFault, Rejection::kUsed) &&
-      !adjust_again(trajectory, epoch, fix))
+      !adjust_again(trajectory, epoch, model, fix))
     fix.status = FixStatus::kNoConsensus;
   fix.protection_level_m = 0.0;
 }
@@ -130,8 +168,7 @@ void LeastSquaresLocalizer::locate_known(const Observations& observations, Fix& 
   if (observations.arrivals.empty() && observations.bearings.empty()) return;
   const ScratchScope scope(scratch_);
   set_epoch(epoch_, observations.arrivals, observations.bearings, trajectory_model_);
-  fix_epoch(epoch_, epoch_.segments.front(), model_, options_, fix);
-  finish(epoch_, epoch_.segments.front(), fix);
+  fix_segment(epoch_, epoch_.segments.front(), fix);
 }
 
 std::vector<Fix> LeastSquaresLocalizer::locate(const MeasurementLog& all_rows) {
@@ -144,8 +181,7 @@ std::vector<Fix> LeastSquaresLocalizer::locate(const MeasurementLog& all_rows) {
       for (std::size_t node = segment.first_node; node < segment.last_node; ++node) {
         const ScratchScope scope(scratch_);
         const Segment epoch = node_segment(trajectory, segment, node);
-        fix_epoch(trajectory, epoch, model_, options_, fixes.emplace_back());
-        finish(trajectory, epoch, fixes.back());
+        fix_segment(trajectory, epoch, fixes.emplace_back());
       }
   }
   std::ranges::stable_sort(fixes, {}, &Fix::time_s);

@@ -256,4 +256,52 @@ bool reject_arrivals(Trajectory& t, const Segment& segment, const EpochFixModel&
   return changed;
 }
 
+bool reject_bearings(Trajectory& t, const Segment& segment, const EpochFixModel& model, double uncertainty_m,
+                     double sigmas) {
+  bool changed = false;
+  ObservationRow row;
+  for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i) {
+    BearingObservation& b = t.bearings[i];
+    if (b.rejection == Rejection::kBeaconUnusable || bearing_rows(t, i, model.state, &row) == 0) continue;
+    const double d =
+        (model.state.beacon_p_map_m[b.reflector.index()] - t.nodes[b.node].T_map_vehicle.translation_m)
+            .head<2>()
+            .norm();
+    double variance = b.sigma_rad * b.sigma_rad + std::pow(uncertainty_m / std::max(d, 1e-3), 2);
+    if (b.reflector.index() < model.beacon_covariance.size())
+      variance +=
+          model.beacon_covariance[b.reflector.index()].topLeftCorner<2, 2>().trace() / std::max(d * d, 1e-6);
+    const double off = row.residual * b.sigma_rad / std::sqrt(variance);
+    const Rejection rejection = std::abs(off) <= sigmas ? Rejection::kUsed
+                                : off > 0               ? Rejection::kLate
+                                                        : Rejection::kEarly;
+    changed = changed || rejection != b.rejection;
+    b.rejection = rejection;
+  }
+  return changed;
+}
+
+NodeAdjustment adjust_and_reject(Trajectory& t, const Segment& segment, const EpochFixModel& model,
+                                 double range_uncertainty_m, double sigmas, CorrelatedArrivals& weights) {
+  // The search ends near the optimum, not at it: the first gates are wider.
+  constexpr double kFirstGate = 1.5;
+  constexpr int kOutlierRounds = 8;
+  const auto adjust = [&] {
+    weights.weigh();
+    return adjust_node(t, segment, model.state, range_uncertainty_m);
+  };
+  reject_arrivals(t, segment, model, range_uncertainty_m, kFirstGate * sigmas);
+  reject_bearings(t, segment, model, range_uncertainty_m, 2 * kFirstGate * sigmas);
+  NodeAdjustment adjustment = adjust();
+  for (int round = 0; round < kOutlierRounds; ++round) {
+    weights.restore();
+    const bool arrivals = reject_arrivals(t, segment, model, range_uncertainty_m, sigmas);
+    const bool bearings = reject_bearings(t, segment, model, range_uncertainty_m, sigmas);
+    if (!arrivals && !bearings) break;
+    adjustment = adjust();
+  }
+  weights.weigh();
+  return adjustment;
+}
+
 }  // namespace octant

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 
+#include "models/localizers/common/correlated_arrivals.h"
 #include "models/localizers/least_squares/epoch_fix.h"
 #include "models/trajectory/linearise.h"
 
@@ -34,5 +35,15 @@ struct NodeAdjustment {
 /// below 0.85 of it. Returns whether any mark has changed.
 bool reject_arrivals(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                      double range_uncertainty_m, double sigmas);
+
+/// Marks the labelled bearings of the segment likewise, those that are off by more than `sigmas`. They are
+/// neither late nor early, so their reason is of the side they are off to.
+bool reject_bearings(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
+                     double range_uncertainty_m, double sigmas);
+
+/// Adjusts and rejects in turn until no rejection changes. Each arrival is judged by its own sigma and
+/// weighed by what it adds to the others of its pair.
+NodeAdjustment adjust_and_reject(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
+                                 double range_uncertainty_m, double sigmas, CorrelatedArrivals& weights);
 
 }  // namespace octant

@@ -13,6 +13,7 @@ namespace octant {
 namespace {
 
 constexpr Eigen::Index kMostCalibrated = 200;  ///< parameters that are followed through the smoother
+constexpr double kHuberSigmas = 2.0;           ///< exceeded by one arrival in twenty without echoes
 constexpr std::size_t kRecent = 20,
                       kLost = 14;  ///< so many of the latest arrivals rejected: the place is lost
 
@@ -121,7 +122,7 @@ void SpaceFilter::hold_within_site(double dt) {
   since_held_s_ = 0.0;
   for (Eigen::Index i = 0; i < 3; ++i) {
     const double mean = i == 2 ? height_m_ : setting_.plane.centre_m[i];
-    const double sigma = i == 2 ? 0.25 * setting_.extent_m : setting_.extent_m;
+    const double sigma = i == 2 ? 0.25 * setting_.reach_m : setting_.reach_m;
     Eigen::VectorXd H = Eigen::VectorXd::Unit(setting_.size, i);
     correct(H, mean - now_.x[i], square(sigma), Eigen::VectorXd::Zero(now_.M.cols()));
   }
@@ -155,7 +156,9 @@ bool SpaceFilter::update(SpaceRange& r, std::size_t k) {
   likelihood_ -= 0.5 * (std::min(squares, limit) + std::log(S));
   r.rejection = squares <= limit ? Rejection::kUsed : innovation > 0 ? Rejection::kLate : Rejection::kEarly;
   if (r.rejection != Rejection::kUsed) return false;
-  correct(H, innovation, r.variance_m2, by_calibration(r, u));
+  // Huber's weight: beyond two sigmas the pull of an arrival grows no further.
+  const double widened = std::max(1.0, std::sqrt(squares) / kHuberSigmas);
+  correct(H, innovation, widened * S - (S - r.variance_m2), by_calibration(r, u));
   return true;
 }
 

@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <span>
 #include <utility>
 
 #include <Eigen/Cholesky>
 
+#include "models/localizers/common/open_attitude.h"
+#include "models/localizers/common/rows_by_pose.h"
 #include "models/physics/plane.h"
 #include "models/trajectory/decompositions.h"
 
@@ -110,6 +113,47 @@ class PlaceSearch {
   const SpaceSetting& setting_;
 };
 
+/// A linear function of the calibrated parameters: columns of their covariance with factors.
+using LinearForm = std::vector<std::pair<int, double>>;
+
+/// Adds the place of a beacon along a direction, times the direction's length.
+void add_place(const CalibrationPart& calibration, BeaconId beacon, const Eigen::Vector3d& along,
+               LinearForm& form) {
+  ObservationRow row;
+  row.has_shared = true;
+  row.beacon = beacon;
+  row.by_beacon = along.transpose();
+  calibration.for_each_coupling(row, [&](int at, double by) { form.emplace_back(at, by); });
+}
+
+double variance_of_form(const LinearForm& form, const Eigen::MatrixXd& covariance) {
+  double variance = 0.0;
+  for (const auto& [i, by_i] : form)
+    for (const auto& [j, by_j] : form) variance += by_i * by_j * covariance(i, j);
+  return variance;
+}
+
+/// Whether the beacons' distances from the line that comes nearest to them, root of the mean square, are
+/// within two sigmas of what the calibration knows of these distances, or of a range.
+bool are_in_line(const SpaceSetting& s) {
+  constexpr double kSigmas = 2.0;
+  std::vector<BeaconId> beacons;
+  for (std::size_t b = 0; b < s.deployment.beacons.size(); ++b)
+    if (s.deployment.beacons[b].status != BeaconStatus::kUndetermined) beacons.emplace_back(b);
+  if (beacons.size() < 3) return false;  // then there are too few to begin with
+  const auto n = static_cast<double>(beacons.size());
+  double off_m2 = 0.0, sigma_m2 = square(s.range_sigma_m);
+  for (const BeaconId beacon : beacons)
+    for (const Eigen::Vector3d& axis : {s.plane.normal, s.plane.across}) {
+      off_m2 += square(axis.dot(s.deployment.beacons[beacon.index()].position_m - s.plane.centre_m)) / n;
+      LinearForm form;  // from the centre of all
+      for (const BeaconId other : beacons)
+        add_place(s.calibration, other, ((other == beacon ? 1.0 : 0.0) - 1.0 / n) * axis, form);
+      sigma_m2 += variance_of_form(form, s.calibration.covariance()) / n;
+    }
+  return off_m2 < square(kSigmas) * sigma_m2;
+}
+
 }  // namespace
 
 SpaceSetting::SpaceSetting(const Deployment& d, const SpaceTrackOptions& o)
@@ -117,6 +161,7 @@ SpaceSetting::SpaceSetting(const Deployment& d, const SpaceTrackOptions& o)
   const double c = d.speed_mps(d.medium.temperature_degC);
   const CorrelatedNoise& errors = d.correlated_noise;
   bias_sigma_m = c * std::hypot(errors.sigma_s, errors.pair_sigma_s);
+  range_sigma_m = std::hypot(c * d.noise.tof_sigma_s, bias_sigma_m);
   // Both parts in one state: it forgets as its larger part does.
   const double lasting =
       square(errors.pair_sigma_s) / std::max(1e-300, square(errors.pair_sigma_s) + square(errors.sigma_s));
@@ -134,17 +179,11 @@ SpaceSetting::SpaceSetting(const Deployment& d, const SpaceTrackOptions& o)
   if (usable > 1) extent_m = std::max(1e-3, (high - low).norm());
   plane = beacon_plane(d, extent_m);
   for (std::size_t b = 0; b < d.beacons.size(); ++b) {
-    ObservationRow row;
-    row.has_shared = true;
-    row.beacon = BeaconId(b);
-    row.by_beacon = plane.normal.transpose();
-    std::vector<std::pair<int, double>> coupled;
-    calibration.for_each_coupling(row, [&](int at, double by) { coupled.emplace_back(at, by); });
-    double variance_m2 = 0.0;
-    for (const auto& [i, by_i] : coupled)
-      for (const auto& [j, by_j] : coupled) variance_m2 += by_i * by_j * calibration.covariance()(i, j);
-    off_plane_m2.push_back(variance_m2);
+    LinearForm form;
+    add_place(calibration, BeaconId(b), plane.normal, form);
+    off_plane_m2.push_back(variance_of_form(form, calibration.covariance()));
   }
+  in_line = are_in_line(*this);
 }
 
 BeaconPlane beacon_plane(const Deployment& deployment, double extent_m, BeaconId without) {
@@ -162,39 +201,55 @@ BeaconPlane beacon_plane(const Deployment& deployment, double extent_m, BeaconId
   plane.coplanar = places.size() < 4 || axes.eigenvalues()[0] < square(kCoplanar * extent_m) * count;
   plane.off_m = std::sqrt(std::max(0.0, axes.eigenvalues()[0]) / std::max(1.0, count));
   plane.normal = axes.eigenvectors().col(0);
+  plane.across = axes.eigenvectors().col(1);
   return plane;
 }
 
+namespace {
+
+SpaceRange range_of(const Arrival& a, const SpaceSetting& setting) {
+  const Deployment& d = setting.deployment;
+  SpaceRange r{a, arrival_range(a, d), d.beacons[a.beacon.index()].position_m, 0.0, Rejection::kUsed};
+  if (d.beacons[a.beacon.index()].status == BeaconStatus::kUndetermined)
+    r.rejection = Rejection::kBeaconUnusable;
+  if (!std::isfinite(r.distance.range_m)) r.rejection = Rejection::kOutOfRange;
+  // A receiver off the centre is somewhere on a sphere about it.
+  r.variance_m2 =
+      square(r.distance.sigma_m) +
+      open_attitude_variance_m2(d.receivers[a.receiver.index()].position_m - setting.p_centre_vehicle_m);
+  if (setting.bias[a.beacon.index()] < 0) r.variance_m2 += square(setting.bias_sigma_m);
+  return r;
+}
+
+double median_range_m(const SpaceRanges& ranges) {
+  std::vector<double> ranges_m;
+  for (const SpaceRange& r : ranges.all)
+    if (r.rejection == Rejection::kUsed) ranges_m.push_back(r.distance.range_m);
+  if (ranges_m.empty()) return 0.0;
+  const auto middle = ranges_m.begin() + static_cast<std::ptrdiff_t>(ranges_m.size() / 2);
+  std::ranges::nth_element(ranges_m, middle);
+  return *middle;
+}
+
+}  // namespace
+
 SpaceRanges ranges_in_space(const MeasurementLog& log, VehicleId vehicle, SpaceSetting& setting) {
   const Deployment& d = setting.deployment;
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double count = 0.0;
-  for (const DeploymentReceiver& r : d.receivers)
-    if (r.vehicle == vehicle) {
-      centre += r.position_m;
-      count += 1;
-    }
-  centre /= std::max(1.0, count);
-  setting.lever_m2 = centre.squaredNorm() / 3;
+  setting.p_centre_vehicle_m = receiver_centre_m(d, vehicle);
   SpaceRanges ranges;
-  for (const Arrival& a : log.arrivals) {
-    if (a.vehicle != vehicle || !a.beacon.valid() || !a.receiver.valid() ||
-        a.receiver.index() >= d.receivers.size() || a.beacon.index() >= d.beacons.size())
-      continue;
-    SpaceRange r{a, arrival_range(a, d), d.beacons[a.beacon.index()].position_m, 0.0, Rejection::kUsed};
-    if (d.beacons[a.beacon.index()].status == BeaconStatus::kUndetermined)
-      r.rejection = Rejection::kBeaconUnusable;
-    if (!std::isfinite(r.distance.range_m)) r.rejection = Rejection::kOutOfRange;
-    // A receiver off the centre is somewhere on a sphere about it.
-    r.variance_m2 =
-        square(r.distance.sigma_m) + (d.receivers[a.receiver.index()].position_m - centre).squaredNorm() / 3;
-    if (setting.bias[a.beacon.index()] < 0) r.variance_m2 += square(setting.bias_sigma_m);
-    if (ranges.instants.empty() || a.time_s - ranges.all.back().arrival.time_s > kSamePing_s)
-      ranges.instants.push_back({a.time_s, ranges.all.size(), ranges.all.size()});
-    ranges.all.push_back(r);
-    ranges.instants.back().last = ranges.all.size();
-    ranges.instants.back().time_s = a.time_s;
+  const RowsByPose<Arrival> rows(log.arrivals, vehicle, log.has_epochs);
+  for (std::size_t pose = 0; pose < rows.count(); ++pose) {
+    const std::span<const Arrival> together = rows.pose(pose);
+    const std::size_t first = ranges.all.size();
+    for (const Arrival& a : together)
+      if (a.beacon.valid() && a.receiver.valid() && a.receiver.index() < d.receivers.size() &&
+          a.beacon.index() < d.beacons.size())
+        ranges.all.push_back(range_of(a, setting));
+    if (ranges.all.size() == first) continue;
+    const double time_s = log.has_epochs ? middle_time_s(together) : ranges.all.back().arrival.time_s;
+    ranges.instants.push_back({time_s, together.front().epoch, first, ranges.all.size()});
   }
+  setting.reach_m = std::max(setting.extent_m, median_range_m(ranges));
   return ranges;
 }
 

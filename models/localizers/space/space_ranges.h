@@ -4,6 +4,7 @@
 // Private to the track of a vehicle in space: arrivals as ranges, and a first place from them.
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct SpaceRange {
 
 struct SpaceInstant {
   double time_s = 0.0;
+  std::int64_t epoch = kNoEpoch;
   std::size_t first = 0, last = 0;  ///< its ranges
 };
 
@@ -34,6 +36,8 @@ struct BeaconPlane {
   bool coplanar = false;  ///< so that it leaves a mirror image
   double off_m = 0.0;     ///< of the beacons from it, root of the mean square
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d across =
+      Eigen::Vector3d::UnitX();  ///< in the plane, across the line that comes nearest to them
 
   [[nodiscard]] double height_m(const Eigen::Vector3d& p) const { return normal.dot(p - centre_m); }
 };
@@ -48,9 +52,13 @@ struct SpaceSetting {
   std::vector<int> bias;  ///< state of each beacon; -1: none
   Eigen::Index size = 6;
   double bias_sigma_m = 0.0, bias_time_s = 1.0;
-  double lever_m2 = 0.0;  ///< variance of the origin's place in each axis about the receivers' centre
-  double extent_m = 1.0;  ///< of the beacons
-  BeaconPlane plane;      ///< of the beacons
+  double range_sigma_m = 0.0;                                    ///< of one range, its bias included
+  Eigen::Vector3d p_centre_vehicle_m = Eigen::Vector3d::Zero();  ///< of the receivers
+  double extent_m = 1.0;                                         ///< of the beacons
+  double reach_m = 1.0;  ///< of what the vehicle moves in: the beacons' extent, or its median range
+  bool in_line =
+      false;          ///< the beacons, as well as their places are known: a vehicle may turn about the line
+  BeaconPlane plane;  ///< of the beacons
   std::vector<double> off_plane_m2;  ///< variance of each beacon's distance from the plane by the calibration
 
   SpaceSetting(const Deployment& d, const SpaceTrackOptions& o);
@@ -62,7 +70,7 @@ struct SpaceRanges {
   std::vector<SpaceInstant> instants;
 };
 
-/// @param setting  its lever_m2 is set to the vehicle's
+/// @param setting  the centre of the receivers and the reach are set to the vehicle's
 [[nodiscard]] SpaceRanges ranges_in_space(const MeasurementLog& log, VehicleId vehicle,
                                           SpaceSetting& setting);
 

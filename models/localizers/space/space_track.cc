@@ -5,10 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <span>
+#include <utility>
 
+#include "models/localizers/common/open_attitude.h"
 #include "models/localizers/common/separation.h"
+#include "models/localizers/least_squares/epoch_fix.h"
 #include "models/localizers/space/plane_sides.h"
 #include "models/localizers/space/space_filter.h"
 #include "models/localizers/space/space_ranges.h"
@@ -17,9 +21,10 @@
 namespace octant {
 namespace {
 
-constexpr std::size_t kPoseArrivals = 7;   ///< of an instant, with which six degrees of freedom are checked
-constexpr int kMostSides = 4;              ///< rounds in which a track's sides are looked at
-constexpr std::size_t kFewestBeacons = 3;  ///< that place a vehicle in space
+constexpr std::size_t kPoseArrivals = 7;  ///< of an instant, with which six degrees of freedom are checked
+constexpr std::ptrdiff_t kAttitudeReceivers = 3;  ///< of a vehicle, whose arrivals tell its attitude
+constexpr int kMostSides = 4;                     ///< rounds in which a track's sides are looked at
+constexpr std::size_t kFewestBeacons = 3;         ///< that place a vehicle in space
 /// Densities of the white-noise acceleration that are tried [m^2/s^3]: from a tripod that is carried to a
 /// racing drone.
 constexpr std::array kDensities = {0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0};
@@ -28,14 +33,24 @@ class SpaceTracker {
  public:
   SpaceTracker(const MeasurementLog& log, VehicleId vehicle, const Deployment& deployment,
                const SpaceTrackOptions& options)
-      : setting_(deployment, options), vehicle_(vehicle), ranges_(ranges_in_space(log, vehicle, setting_)) {}
+      : setting_(deployment, options),
+        vehicle_(vehicle),
+        ranges_(ranges_in_space(log, vehicle, setting_)),
+        alone_(deployment) {}
 
   void run(std::vector<Fix>& fixes) {
     std::size_t k = 0;
     while (k < ranges_.instants.size()) {
-      const auto start = place_in_space(ranges_, k, setting_);
+      if (setting_.in_line) {
+        fixes.push_back(no_fix(k++, FixStatus::kPoorGeometry));
+        continue;
+      }
+      Fix alone = fix_alone(k);
+      std::optional<Eigen::Vector3d> start;
+      if (alone.ok()) start = alone.T_map_vehicle.translation_m;
+      if (!start) start = place_in_space(ranges_, k, setting_);
       const std::size_t next = start ? follow(k, *start, fixes) : k;
-      if (next <= k) fixes.push_back(no_fix(k));
+      if (next <= k) fixes.push_back(std::move(alone));
       k = std::max(next, k + 1);
     }
   }
@@ -61,6 +76,7 @@ class SpaceTracker {
     choose_sides(track, k, density, end);
     std::size_t kept = track.steps().size();
     while (lost && kept > 0 && !is_heard(k + kept - 1)) --kept;
+    if (!is_supported(k, k + kept, lost)) return k;
     const std::vector<SpaceStep>& steps = track.steps();
     const bool side_is_open = comes_near_the_plane(steps);
     const std::size_t before = fixes.size();
@@ -151,24 +167,47 @@ class SpaceTracker {
     });
   }
 
+  /// Whether the arrivals of instants [first, last) support a track: most of them agree, and where it was
+  /// lost behind them, they are more than a filter goes on with from a wrong place.
+  [[nodiscard]] bool is_supported(std::size_t first, std::size_t last, bool lost) const {
+    constexpr std::size_t kFewestBeforeLoss = 20;
+    std::size_t used = 0, outliers = 0;
+    for (std::size_t k = first; k < last; ++k)
+      for (std::size_t i = ranges_.instants[k].first; i < ranges_.instants[k].last; ++i) {
+        used += ranges_.all[i].rejection == Rejection::kUsed;
+        outliers += is_outlier(ranges_.all[i].rejection);
+      }
+    return used > outliers && (!lost || used >= kFewestBeforeLoss);
+  }
+
   [[nodiscard]] bool is_heard(std::size_t k) const {
     for (std::size_t i = ranges_.instants[k].first; i < ranges_.instants[k].last; ++i)
       if (ranges_.all[i].rejection == Rejection::kUsed) return true;
     return false;
   }
 
-  [[nodiscard]] Fix no_fix(std::size_t k) const {
+  [[nodiscard]] Fix no_fix(std::size_t k, FixStatus status) const {
     Fix fix;
-    fix.status = FixStatus::kNoConsensus;
+    fix.status = status;
     fix.time_s = ranges_.instants[k].time_s;
+    fix.epoch = ranges_.instants[k].epoch;
     fix.vehicle = vehicle_;
     fix.arrivals_rejected = static_cast<int>(ranges_.instants[k].last - ranges_.instants[k].first);
     return fix;
   }
 
+  [[nodiscard]] Fix fix_alone(std::size_t k) {
+    std::vector<Arrival> arrivals;
+    for (std::size_t i = ranges_.instants[k].first; i < ranges_.instants[k].last; ++i)
+      arrivals.push_back(ranges_.all[i].arrival);
+    Fix fix = alone_.locate(arrivals);
+    fix.time_s = ranges_.instants[k].time_s;
+    return fix;
+  }
+
   /// @param side_is_open  it may as well be at the mirror image: half of the squares between both counts
   [[nodiscard]] Fix fix_at(std::size_t k, const SpaceBelief& belief, bool side_is_open) const {
-    Fix fix = no_fix(k);
+    Fix fix = no_fix(k, FixStatus::kNoConsensus);
     fix.arrivals_rejected = 0;
     for (std::size_t i = ranges_.instants[k].first; i < ranges_.instants[k].last; ++i) {
       fix.rejections.push_back(ranges_.all[i].rejection);
@@ -178,7 +217,7 @@ class SpaceTracker {
     const Eigen::MatrixXd M = belief.M.topRows<3>();
     Eigen::Matrix3d P = belief.P.topLeftCorner<3, 3>();
     if (M.cols() > 0) P += M * setting_.calibration.covariance() * M.transpose();
-    P.diagonal().array() += setting_.lever_m2;
+    P.diagonal().array() += open_attitude_variance_m2(setting_.p_centre_vehicle_m);
     if (side_is_open)
       P += 2 * square(setting_.plane.height_m(belief.x.head<3>())) * setting_.plane.normal *
            setting_.plane.normal.transpose();
@@ -194,30 +233,35 @@ class SpaceTracker {
   SpaceSetting setting_;
   VehicleId vehicle_;
   SpaceRanges ranges_;
+  LeastSquaresLocalizer alone_;  ///< of instants that no track reaches
 };
 
 }  // namespace
 
+bool may_track_in_space(const Deployment& deployment, const MeasurementLog& log) {
+  return deployment.motion == Motion::kSpatial && log.odometry.empty() && !log.arrivals.empty() &&
+         deployment.timing.clock == Clock::kSynchronised &&
+         std::ranges::none_of(deployment.vehicles, [](const SiteVehicle& v) { return v.motion.has_value(); });
+}
+
 bool is_drive_in_space(const Deployment& deployment, const MeasurementLog& log) {
-  if (deployment.motion != Motion::kSpatial || log.has_epochs || !log.odometry.empty() ||
-      log.arrivals.empty() || deployment.timing.clock != Clock::kSynchronised)
-    return false;
-  for (const SiteVehicle& v : deployment.vehicles)
-    if (v.motion) return false;
-  std::size_t instants = 0, rich = 0, size = 0;
-  double last_s = -INFINITY;
-  for (const Arrival& a : log.arrivals) {
-    if (a.time_s - last_s > kSamePing_s) {
-      rich += size >= kPoseArrivals;
-      size = 0;
-      ++instants;
+  if (!may_track_in_space(deployment, log)) return false;
+  std::size_t poses = 0, rich = 0, steps = 0, gaps = 0;
+  bool has_attitude = false;
+  for (std::size_t v = 0; v < deployment.vehicles.size(); ++v) {
+    const RowsByPose<Arrival> rows(log.arrivals, VehicleId(v), log.has_epochs);
+    poses += rows.count();
+    for (std::size_t i = 0; i < rows.count(); ++i) {
+      rich += rows.pose(i).size() >= kPoseArrivals;
+      if (i == 0) continue;
+      ++steps;
+      gaps += middle_time_s(rows.pose(i)) - middle_time_s(rows.pose(i - 1)) > SpaceTrackOptions{}.max_gap_s;
     }
-    last_s = a.time_s;
-    ++size;
+    const auto own = [v](const DeploymentReceiver& r) { return r.vehicle == VehicleId(v); };
+    has_attitude = has_attitude || std::ranges::count_if(deployment.receivers, own) >= kAttitudeReceivers;
   }
-  rich += size >= kPoseArrivals;
-  const bool one_antenna = deployment.receivers.size() <= deployment.vehicles.size();
-  return one_antenna || 2 * rich < instants;
+  if (log.has_epochs && 2 * gaps >= steps) return false;
+  return !has_attitude || 2 * rich < poses;
 }
 
 std::vector<Fix> track_in_space(const MeasurementLog& log, const Deployment& deployment,

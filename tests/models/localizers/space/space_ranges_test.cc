@@ -9,6 +9,7 @@
 #include <rapidcheck/gtest.h>
 #include <Eigen/Dense>
 
+#include "models/localizers/common/open_attitude.h"
 #include "models/simulator/random.h"
 #include "tests/models/localizers/hall.h"
 
@@ -161,7 +162,7 @@ TEST(RangesInSpace, CountWhatTheAttitudeMayPutAReceiverOff) {
   const SpaceTrackOptions options;
   SpaceSetting setting(d, options);
   const SpaceRanges ranges = ranges_in_space(pings(d, {4, 3, 2}, 1), VehicleId(0), setting);
-  EXPECT_NEAR(setting.lever_m2, 0.09 / 3, 1e-15);
+  EXPECT_NEAR(open_attitude_variance_m2(setting.p_centre_vehicle_m), 0.09 / 3, 1e-15);
   for (const SpaceRange& r : ranges.all)
     EXPECT_NEAR(r.variance_m2 - std::pow(343.7 * 1e-5, 2), 0.09 / 3, 1e-12);
 }

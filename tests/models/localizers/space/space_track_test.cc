@@ -230,6 +230,58 @@ TEST(SpaceTrack, APauseOfTheRadioBeginsAnew) {
   EXPECT_LT(errors_of(fixes, f, Eigen::Vector3d::Zero()).rmse_m, 2.5 * kSigma_m);
 }
 
+MeasurementLog in_epochs(MeasurementLog log, std::size_t beacons) {
+  log.has_epochs = true;
+  for (std::size_t i = 0; i < log.arrivals.size(); ++i)
+    log.arrivals[i].epoch = static_cast<std::int64_t>(i / beacons);
+  return log;
+}
+
+TEST(SpaceTrack, EpochsAreInstantsOfADrive) {
+  Random random(16, 1);
+  const Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.1, 200, 1.5, random);
+  const auto fixes = locate_run(Method::kTracker, deployment_of(kHall, Eigen::Vector3d::Zero()),
+                                in_epochs(f.log, kHall.size()));
+  ASSERT_TRUE(fixes.has_value());
+  const Errors e = errors_of(*fixes, f, Eigen::Vector3d::Zero());
+  EXPECT_EQ(e.count + 5, f.truth.size());
+  EXPECT_LT(e.rmse_m, 1.5 * kSigma_m);
+  EXPECT_EQ(fixes->back().epoch, 199);
+}
+
+TEST(SpaceTrack, StopsThatNothingTiesTogetherAreLocatedOneByOne) {
+  Random random(17, 1);
+  Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.0, 50, 1.5, random);
+  f.log = in_epochs(f.log, kHall.size());
+  for (Arrival& a : f.log.arrivals) a.time_s += 60.0 * static_cast<double>(a.epoch);
+  const Deployment d = deployment_of(kHall, Eigen::Vector3d::Zero());
+  EXPECT_EQ(choose_method(d, f.log).method, Method::kLeastSquares);
+  for (const Method method : {Method::kAuto, Method::kTracker}) {
+    const auto fixes = locate_run(method, d, f.log);
+    ASSERT_TRUE(fixes.has_value());
+    EXPECT_EQ(errors_of(*fixes, f, Eigen::Vector3d::Zero()).count + 5, f.truth.size());
+  }
+}
+
+// The first place may be wrong; a track that its arrivals do not support is none.
+TEST(SpaceTrack, NothingIsTrackedAmongArrivalsThatDisagree) {
+  Random random(18, 1);
+  Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.0, 40, 1.5, random);
+  for (Arrival& a : f.log.arrivals) a.tof_s += 10 * random.uniform() / kSpeed_mps;
+  for (const Fix& fix : track_in_space(f.log, deployment_of(kHall, Eigen::Vector3d::Zero())))
+    EXPECT_FALSE(fix.ok());
+}
+
+TEST(SpaceTrack, BeaconsInALineGiveNoFix) {
+  Random random(19, 1);
+  const std::vector<Eigen::Vector3d> line = {{0, 0, 0.5}, {2, 0, 1.0}, {4, 0, 1.5}, {6, 0, 2.0}};
+  const Flight f = fly(line, Eigen::Vector3d::Zero(), 0.0, 100, 1.5, random);
+  Deployment d = deployment_of(line, Eigen::Vector3d::Zero());
+  d.beacons[1].position_m.y() = 0.1;  // but as well as the calibration knows
+  know_beacons_to(0.1, d);
+  for (const Fix& fix : track_in_space(f.log, d)) EXPECT_EQ(fix.status, FixStatus::kPoorGeometry);
+}
+
 TEST(SpaceTrack, TwoBeaconsGiveNoFix) {
   Random random(9, 1);
   const std::vector<Eigen::Vector3d> two = {kHall[0], kHall[1]};
@@ -244,9 +296,10 @@ TEST(SpaceTrack, AutoTakesItForADriveInSpace) {
   const Deployment d = deployment_of(kHall, Eigen::Vector3d::Zero());
   EXPECT_TRUE(is_drive_in_space(d, f.log));
   EXPECT_EQ(choose_method(d, f.log).method, Method::kTracker);
-  MeasurementLog stops = f.log;
-  stops.has_epochs = true;
-  EXPECT_FALSE(is_drive_in_space(d, stops));
+  MeasurementLog epochs = in_epochs(f.log, kHall.size());
+  EXPECT_TRUE(is_drive_in_space(d, epochs));
+  for (Arrival& a : epochs.arrivals) a.time_s += 10.0 * static_cast<double>(a.epoch);
+  EXPECT_FALSE(is_drive_in_space(d, epochs)) << "stops, located one by one";
 }
 
 constexpr SpaceTrackOptions kProtectedInSpace{.protect = true};
