@@ -12,6 +12,7 @@
 #include "io/bag/bag.h"
 #include "io/bag/ros_messages.h"
 #include "io/import/mapping_words.h"
+#include "io/import/name_pattern.h"
 #include "io/text/text.h"
 
 namespace octant::io {

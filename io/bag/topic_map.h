@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -43,9 +42,5 @@ struct TopicMapping {
 /// odometry, poses, truth: {topic, parent, child}, time: header | recorded, ignore: [...].
 [[nodiscard]] Result<TopicMapping> read_topics(const std::string& path);
 [[nodiscard]] std::string topics_to_yaml(const TopicMapping& mapping);
-
-/// Whether a text is as a pattern says; the names that it holds are added.
-[[nodiscard]] bool matches(std::string_view pattern, std::string_view text,
-                           std::map<std::string, std::string, std::less<>>& names);
 
 }  // namespace octant::io

@@ -10,6 +10,7 @@
 
 #include "io/run/tum.h"
 #include "io/text/text.h"
+#include "io/tof/continued_clock.h"
 #include "io/tof/run_parts.h"
 
 namespace octant::io {
@@ -106,6 +107,10 @@ Result<std::vector<FileContent>> run_files(ImportedLog& log, const std::string& 
   if (log.not_heard > 0)
     log.warnings.push_back(fmt::format("{}: {} rows without a distance are left out: none was measured",
                                        log.path, log.not_heard));
+  ContinuedClock clock;
+  for (std::size_t i = 1; i < log.arrivals.size(); ++i)
+    log.arrivals[i].time_s = clock.continued(log.arrivals[i].time_s, log.arrivals[i - 1].time_s, 0);
+  if (const auto restarts = clock.note(log.path)) log.warnings.push_back(*restarts);
   if (put_in_order(log.arrivals))
     log.warnings.push_back(log.path + ": the rows are not in the order of time; they were put into it");
   one_an_instant(log.odometry, "poses of the odometry", log);

@@ -3,130 +3,40 @@
 #include "io/import/table_log.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "io/import/column_unit.h"
 #include "io/import/mapping_words.h"
+#include "io/import/name_pattern.h"
+#include "io/import/table_cells.h"
 #include "io/run/last_row.h"
 #include "io/text/bounds.h"
 #include "io/text/open_file.h"
 #include "io/text/text.h"
+#include "io/text/time_text.h"
+#include "io/tof/continued_clock.h"
 #include "io/tof/run_parts.h"
-#include "io/tof/tof_columns.h"
-#include "io/yaml/yaml_reader.h"
-#include "io/yaml/yaml_writer.h"
 
 namespace octant::io {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, double>, 8> kUnitSuffixes = {{{"_ms", 1e-3},
-                                                                               {"_us", 1e-6},
-                                                                               {"_ns", 1e-9},
-                                                                               {"_cm", 1e-2},
-                                                                               {"_mm", 1e-3},
-                                                                               {"_km", 1e3},
-                                                                               {"_ft", 0.3048},
-                                                                               {"_mv", 1e-3}}};
+/// A column of the table that is read.
+struct TableColumn {
+  std::size_t cell;
+  std::string name;  ///< as messages say it
+  const TofColumn* target;
+  UnitConversion unit;
+  std::string beacon, receiver;  ///< of a column of one beacon
+};
 
-constexpr std::size_t kHeadBytes = 65536;   // a header and what is commented above it stand within
-constexpr std::size_t kHeaderBytes = 4096;  // longer lines are no header that people wrote
-
-const TofColumn* tof_column(std::string_view name) {
-  for (const TofColumn& c : kTofColumns)
-    if (name == c.name || name == c.short_name) return &c;
-  return nullptr;
-}
-
-Result<ColumnRule> rule_of(std::string_view target, std::string_view source) {
-  const TofColumn* column = tof_column(without_blanks(target));
-  if (column == nullptr)
-    return fail(
-        {.code = Errc::kUsage,
-         .found = fmt::format("{} is no column of tof.csv", in_quotes(target)),
-         .expected = "time, beacon, tof or distance, epoch, vehicle, receiver, amplitude, temperature"});
-  ColumnRule rule{std::string(column->name), std::string(without_blanks(source))};
-  if (const auto star = source.rfind('*'); star != std::string_view::npos) {
-    rule.source = without_blanks(source.substr(0, star));
-    if (parse_number(without_blanks(source.substr(star + 1)), rule.factor) != NumberText::kNumber ||
-        !std::isfinite(rule.factor) || rule.factor == 0.0)
-      return fail({.code = Errc::kUsage,
-                   .found = fmt::format("{} is no factor", in_quotes(source.substr(star + 1))),
-                   .expected = "a number, as in timestamp_ms*1e-3"});
-  } else if (!column->is_id) {
-    const std::string lower = lower_case(rule.source);
-    for (const auto& [suffix, factor] : kUnitSuffixes)
-      if (lower.ends_with(suffix)) rule.factor = factor;
-  }
-  if (rule.source.empty())
-    return fail({.code = Errc::kUsage,
-                 .found = fmt::format("{} has no column of the table", in_quotes(target)),
-                 .expected = "TARGET=COLUMN or TARGET=COLUMN*FACTOR"});
-  return rule;
-}
-
-Result<void> check_mapping(const TableMapping& mapping) {
-  const auto has = [&](std::string_view name) {
-    return std::ranges::count(mapping.columns, name, &ColumnRule::target);
-  };
-  for (const TofColumn& c : kTofColumns)
-    if (has(c.name) > 1)
-      return fail({.code = Errc::kUsage, .found = fmt::format("{} is there twice", c.name)});
-  if (has("time_s") == 1 && has("beacon") == 1 && has("tof_s") + has("distance_m") == 1) return {};
-  return fail({.code = Errc::kUsage,
-               .found = "the columns do not say what was heard when",
-               .expected = "time, beacon and one of tof and distance, as in "
-                           "time=timestamp_ms*1e-3,beacon=anchor,distance=distance_cm*1e-2"});
-}
-
-/// One line's cells. Quotes as in RFC 4180; several blanks are one delimiter.
-/// @param open  whether a quote does not end on the line
-std::vector<std::string> cells_of(std::string_view line, char delimiter, bool* open = nullptr) {
-  std::vector<std::string> cells;
-  std::string cell;
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (quoted) {
-      if (c != '"') {
-        cell += c;
-      } else if (i + 1 < line.size() && line[i + 1] == '"') {
-        cell += line[++i];
-      } else {
-        quoted = false;
-      }
-    } else if (c == '"' && without_blanks(cell).empty()) {
-      quoted = true;
-      cell.clear();
-    } else if (c == delimiter) {
-      if (delimiter != ' ' || !cell.empty()) cells.push_back(std::exchange(cell, {}));
-    } else {
-      cell += c;
-    }
-  }
-  if (delimiter != ' ' || !cell.empty()) cells.push_back(cell);
-  if (open != nullptr) *open = quoted;
-  for (std::string& text : cells) text = without_blanks(text);
-  return cells;
-}
-
-/// The delimiter by which the header holds all columns that are asked for; of several the one with most
-/// cells.
-char delimiter_of(std::string_view header, const TableMapping& mapping) {
-  char best = ',';
-  std::size_t most_found = 0, most_cells = 0;
-  for (const char delimiter : {',', ';', '\t', '|', ' '}) {
-    const auto cells = cells_of(header, delimiter);
-    std::size_t found = 0;
-    for (const ColumnRule& r : mapping.columns) found += std::ranges::count(cells, r.source) > 0 ? 1 : 0;
-    if (std::pair(found, cells.size()) <= std::pair(most_found, most_cells)) continue;
-    best = delimiter;
-    most_found = found;
-    most_cells = cells.size();
-  }
-  return best;
+/// factor * value. A factor such as 1e-3 divides, so that 50 ms are 0.05 s to the last digit.
+double scaled(double value, double factor) {
+  const double divisor = std::round(1.0 / factor);
+  return std::abs(divisor) >= 2.0 && std::abs(divisor * factor - 1.0) < 1e-15 ? value / divisor
+                                                                              : factor * value;
 }
 
 struct TableRow {
@@ -136,66 +46,110 @@ struct TableRow {
 
 class TableReader {
  public:
-  TableReader(const std::string& path, const TableMapping& mapping) : path_(path), mapping_(mapping) {}
+  TableReader(const std::string& path, const TableMapping& mapping) : path_(path), mapping_(mapping) {
+    one_column_each_ = std::ranges::any_of(mapping.columns, names_beacon);
+  }
 
   Result<ConvertedTable> read(std::string_view text) {
-    std::vector<TableRow> rows;
     while (!text.empty()) {
       const std::string_view line = without_blanks(take_line(text));
       ++line_;
       if (line.empty() || line.front() == '#') continue;
-      if (sources_.empty()) {
-        if (auto known = read_header(line); !known) return fail(known.error());
-        continue;
+      if (columns_.empty()) {
+        const auto is_header = read_first_line(line);
+        if (!is_header) return fail(is_header.error());
+        if (*is_header) continue;
       }
-      TableRow row;
-      const auto kept = read_row(line, row);
-      if (!kept) return fail(kept.error());
-      if (*kept) rows.push_back(std::move(row));
+      if (const auto ok = read_row(line); !ok) return fail(ok.error());
     }
-    if (sources_.empty())
+    if (columns_.empty())
       return fail({.code = Errc::kBadInput, .file = path_, .found = "the table is empty"});
-    if (rows.empty() && out_.dropped == 0 && out_.ignored == 0)
-      return fail({.code = Errc::kBadInput,
-                   .file = path_,
-                   .line = line_,
-                   .found = "the table has no rows under its header",
-                   .expected = "a row an arrival"});
-    return finish(rows);
+    if (rows_.empty() && out_.dropped + out_.ignored + out_.not_heard == 0)
+      return error("the table has no rows under its header", "a row an arrival");
+    finish();
+    return std::move(out_);
   }
 
  private:
+  [[nodiscard]] tl::unexpected<Error> error(std::string found, std::string expected,
+                                            std::string advice = "") const {
+    return fail({.code = Errc::kBadInput,
+                 .file = path_,
+                 .line = line_,
+                 .found = std::move(found),
+                 .expected = std::move(expected),
+                 .advice = std::move(advice)});
+  }
+
   Result<std::vector<std::string>> cells_in(std::string_view line) const {
     bool open = false;
     auto cells = cells_of(line, out_.delimiter, &open);
     if (!open) return cells;
-    return fail({.code = Errc::kBadInput,
-                 .file = path_,
-                 .line = line_,
-                 .found = "a quote that does not end on its line",
-                 .expected = "quotes in pairs, and a row a line"});
+    return error("a quote that does not end on its line", "quotes in pairs, and a row a line");
   }
 
-  Result<void> read_header(std::string_view line) {
+  /// Finds the columns. Returns true if the line is a header; a table whose columns are all numbered may have
+  /// none.
+  Result<bool> read_first_line(std::string_view line) {
     out_.delimiter = delimiter_of(line, mapping_);
-    auto header = cells_in(line);
-    if (!header) return fail(header.error());
-    header_ = std::move(*header);
+    const auto cells = cells_in(line);
+    if (!cells) return fail(cells.error());
+    const bool headless = is_headless(*cells);
     std::vector<std::string> missing;
     for (const ColumnRule& rule : mapping_.columns) {
-      const auto at = std::ranges::find(header_, rule.source);
-      if (at == header_.end()) missing.push_back(in_quotes(rule.source));
-      sources_.push_back(static_cast<std::size_t>(at - header_.begin()));
+      const auto found = find_columns(rule, *cells, headless);
+      if (!found) return fail(found.error());
+      if (*found == 0) missing.push_back(in_quotes(rule.source));
     }
-    if (missing.empty()) return {};
-    return fail({.code = Errc::kBadInput,
-                 .file = path_,
-                 .line = line_,
-                 .found = fmt::format("the table has no column {}", listed(missing)),
-                 .expected = fmt::format("columns of its header: {}", listed(header_, 20))});
+    const bool numbered = std::ranges::all_of(
+        mapping_.columns, [](const ColumnRule& rule) { return numbered_column(rule.source) >= 0; });
+    if (headless && !numbered)
+      return error("the first line holds numbers only: the table has no header line",
+                   "a line with names of columns",
+                   "name the columns by their numbers: " + advice_by_number());
+    if (missing.empty()) return !headless;
+    return error(
+        fmt::format("the table has no column {}", listed(missing)),
+        fmt::format("columns of its {}: {}", headless ? "first line" : "header", listed(*cells, 20)));
   }
 
-  /// 1,5 is a number where commas do not part the cells.
+  [[nodiscard]] std::string advice_by_number() const {
+    return one_column_each_ ? "--columns time=#1,distance:A1=#2,distance:A2=#3"
+                            : "--columns time=#1,beacon=#2,distance=#3";
+  }
+
+  /// Adds the columns of a rule and returns how many the table has.
+  Result<std::size_t> find_columns(const ColumnRule& rule, const std::vector<std::string>& cells,
+                                   bool headless) {
+    std::size_t found = 0;
+    const int number = numbered_column(rule.source);
+    const bool by_name = std::ranges::count(cells, rule.source) > 0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      PatternNames names;
+      const bool is_it = by_name       ? cells[i] == rule.source && found == 0
+                         : number >= 0 ? i == static_cast<std::size_t>(number)
+                                       : is_pattern(rule) && matches(rule.source, cells[i], names);
+      if (!is_it) continue;
+      ++found;
+      TableColumn column{i,
+                         headless ? rule.source : cells[i],
+                         tof_column(rule.target),
+                         {},
+                         rule.beacon.empty() ? names["beacon"] : rule.beacon,
+                         rule.receiver.empty() ? names["receiver"] : rule.receiver};
+      if (rule.factor) {
+        column.unit.factor = *rule.factor;
+      } else if (!column.target->is_id && !headless) {
+        const auto unit = unit_of_column(cells[i], rule.target);
+        if (!unit) return error(unit.error().found, unit.error().expected, unit.error().advice);
+        column.unit = *unit;
+      }
+      columns_.push_back(std::move(column));
+    }
+    return found;
+  }
+
+  /// A number; 1,5 is one where commas do not part the cells.
   bool number(std::string text, double& value) {
     if (out_.delimiter != ',' && std::ranges::count(text, ',') == 1 && text.find('.') == std::string::npos) {
       std::ranges::replace(text, ',', '.');
@@ -204,146 +158,138 @@ class TableReader {
     return parse_number(text, value) == NumberText::kNumber;
   }
 
-  /// False: the row is none of ours.
-  Result<bool> read_row(std::string_view line, TableRow& row) {
-    const auto cells = cells_in(line);
-    if (!cells) return fail(cells.error());
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
-      const ColumnRule& rule = mapping_.columns[i];
-      const std::string cell = sources_[i] < cells->size() ? (*cells)[sources_[i]] : "";
-      row.text += i == 0 ? "" : ",";
-      if (rule.target == "beacon") {
-        if (cell.empty()) return ++out_.dropped, false;
-        if (is_ignored(mapping_.ignore, cell)) return ++out_.ignored, false;
-      }
-      if (tof_column(rule.target)->is_id) {
-        row.text += csv_field(cell);
-        continue;
-      }
-      double value = std::nan("");
-      if (!cell.empty() && !number(cell, value))
-        return fail(
-            {.code = Errc::kBadInput,
-             .file = path_,
-             .line = line_,
-             .found = fmt::format("{} in column {}", in_quotes(cell), in_quotes(rule.source)),
-             .expected = "a number",
-             .advice = cell.find(',') == std::string::npos || out_.delimiter != ','
-                           ? ""
-                           : "a decimal comma is read where semicolons or tabulators part the cells"});
-      value *= rule.factor;
-      if (rule.target == "time_s") {
-        if (!std::isfinite(value))
-          return fail({.code = Errc::kBadInput,
-                       .file = path_,
-                       .line = line_,
-                       .found = "a row without a time",
-                       .expected = "a number"});
-        row.time_s = value;
-      }
-      row.text += number_field(value);
-    }
-    return true;
+  /// Value of a cell in the unit of its target; NaN if it is empty.
+  Result<double> value_of(const TableColumn& column, const std::string& cell) {
+    double value = std::nan("");
+    if (cell.empty()) return value;
+    if (number(cell, value)) return scaled(value, column.unit.factor) + column.unit.offset;
+    const bool is_time = column.target->name == "time_s";
+    if (is_time)
+      if (const auto time_s = time_of_text(cell)) return *time_s;
+    return error(fmt::format("{} in column {}", in_quotes(cell), in_quotes(column.name)),
+                 is_time ? "a number, or a date and time such as 2026-06-11 11:33:48.686" : "a number",
+                 cell.find(',') == std::string::npos || out_.delimiter != ','
+                     ? ""
+                     : "a decimal comma is read where semicolons or tabulators part the cells");
   }
 
-  ConvertedTable finish(std::vector<TableRow>& rows) {
-    for (const ColumnRule& rule : mapping_.columns) out_.csv += (out_.csv.empty() ? "" : ",") + rule.target;
+  /// Time of a row on the continued clock.
+  Result<double> time_of(const TableColumn& column, const std::string& cell) {
+    const auto value = value_of(column, cell);
+    if (!value) return value;
+    if (!std::isfinite(*value)) return error("a row without a time", "a number, or a date and time");
+    const double stated_s = seconds_of_stamp(*value);
+    stamps_ = stamps_ || stated_s != *value;
+    const double time_s = begun_ ? clock_.continued(stated_s, last_time_s_, line_) : stated_s;
+    begun_ = true;
+    unit_.add(time_s);
+    return last_time_s_ = time_s;
+  }
+
+  /// A line is one row, or one for each beacon whose column has a number.
+  Result<void> read_row(std::string_view line) {
+    const auto cells = cells_in(line);
+    if (!cells) return fail(cells.error());
+    const auto cell = [&](const TableColumn& c) {
+      return c.cell < cells->size() ? (*cells)[c.cell] : std::string();
+    };
+    for (const TableColumn& column : columns_) {
+      if (column.target->name != "beacon") continue;
+      if (cell(column).empty()) return ++out_.dropped, Result<void>();
+      if (is_ignored(mapping_.ignore, cell(column))) return ++out_.ignored, Result<void>();
+    }
+    TableRow row;
+    std::vector<std::string> fields;
+    for (const TableColumn& column : columns_) {
+      const bool is_time = column.target->name == "time_s";
+      if (column.target->is_id) {
+        fields.push_back(csv_field(cell(column)));
+        continue;
+      }
+      const auto value = is_time ? time_of(column, cell(column)) : value_of(column, cell(column));
+      if (!value) return fail(value.error());
+      if (is_time) row.time_s = *value;
+      fields.push_back(number_field(*value));
+    }
+    add_rows(std::move(row), fields);
+    return {};
+  }
+
+  void add_rows(TableRow row, const std::vector<std::string>& fields) {
+    for (std::size_t of = 0; of < columns_.size(); ++of) {
+      const TableColumn& column = columns_[of];
+      if (one_column_each_ && column.beacon.empty()) continue;
+      if (one_column_each_ && is_ignored(mapping_.ignore, column.beacon)) {
+        ++out_.ignored;
+        continue;
+      }
+      if (one_column_each_ && fields[of].empty()) {
+        ++out_.not_heard;
+        continue;
+      }
+      TableRow arrival{row.time_s, ""};
+      for (std::size_t i = 0; i < columns_.size(); ++i)
+        if (columns_[i].beacon.empty()) arrival.text += (arrival.text.empty() ? "" : ",") + fields[i];
+      if (one_column_each_) arrival.text += "," + csv_field(column.beacon) + "," + fields[of];
+      if (has_receivers()) arrival.text += "," + csv_field(column.receiver);
+      rows_.push_back(std::move(arrival));
+      if (!one_column_each_) return;
+    }
+  }
+
+  [[nodiscard]] bool has_receivers() const {
+    return std::ranges::any_of(columns_, [](const TableColumn& c) { return !c.receiver.empty(); });
+  }
+
+  void write_header() {
+    std::string value;
+    for (const TableColumn& column : columns_) {
+      if (!column.beacon.empty()) {
+        value = column.target->name;
+        continue;
+      }
+      out_.csv += out_.csv.empty() ? "" : ",";
+      out_.csv += column.target->name;
+    }
+    if (one_column_each_) out_.csv += ",beacon," + value;
+    if (has_receivers()) out_.csv += ",receiver";
     out_.csv += '\n';
+  }
+
+  void finish() {
+    write_header();
     const auto earlier = [](const TableRow& a, const TableRow& b) { return a.time_s < b.time_s; };
-    if (!std::ranges::is_sorted(rows, earlier)) {
+    if (const auto restarts = clock_.note(path_)) out_.warnings.push_back(*restarts);
+    if (stamps_)
+      out_.warnings.push_back(
+          path_ +
+          ": times beyond 1e11 s are time stamps since 1970 in milliseconds, microseconds or "
+          "nanoseconds; they were converted to seconds");
+    if (const auto unit = unit_.note(path_)) out_.warnings.push_back(*unit);
+    if (!std::ranges::is_sorted(rows_, earlier)) {
       out_.warnings.push_back(path_ + ": the rows are not in the order of time; they were put into it");
-      std::ranges::stable_sort(rows, earlier);
+      std::ranges::stable_sort(rows_, earlier);
     }
     if (out_.dropped > 0)
       out_.warnings.push_back(fmt::format("{}: {} rows without a beacon were left out", path_, out_.dropped));
-    for (const TableRow& row : rows) out_.csv += row.text + '\n';
-    out_.rows = rows.size();
-    return std::move(out_);
+    for (const TableRow& row : rows_) out_.csv += row.text + '\n';
+    out_.rows = rows_.size();
   }
 
   const std::string& path_;
   const TableMapping& mapping_;
   int line_ = 0;
-  std::vector<std::string> header_;
-  std::vector<std::size_t> sources_;
+  bool one_column_each_ = false;  // a column for each beacon
+  std::vector<TableColumn> columns_;
+  std::vector<TableRow> rows_;
+  ContinuedClock clock_;
+  TimeUnitCheck unit_;
+  double last_time_s_ = 0.0;
+  bool begun_ = false, stamps_ = false;
   ConvertedTable out_;
 };
 
 }  // namespace
-
-Result<TableMapping> mapping_from_words(std::string_view words) {
-  TableMapping mapping;
-  if (!is_utf8(words))
-    return fail({.code = Errc::kUsage,
-                 .found = "--columns is no UTF-8 text",
-                 .expected = "names of columns in UTF-8, as the table is to be"});
-  for (const MappingWord& word : mapping_words(words)) {
-    auto rule = rule_of(word.target, word.source);
-    if (!rule) return fail(rule.error());
-    mapping.columns.push_back(std::move(*rule));
-  }
-  if (auto whole = check_mapping(mapping); !whole) return fail(whole.error());
-  return mapping;
-}
-
-std::optional<TableMapping> mapping_of_header(const std::string& path) {
-  const auto map = MappedFile::open(path);
-  if (!map) return std::nullopt;
-  std::string_view text = without_bom(map->text().substr(0, kHeadBytes));
-  std::string_view header;
-  while (!text.empty() && (header.empty() || header.front() == '#')) header = without_blanks(take_line(text));
-  TableMapping all;
-  for (const TofColumn& c : kTofColumns) all.columns.push_back({std::string(c.name), std::string(c.name)});
-  const auto cells =
-      cells_of(header.substr(0, kHeaderBytes), delimiter_of(header.substr(0, kHeaderBytes), all));
-  TableMapping own;
-  for (const ColumnRule& rule : all.columns)
-    if (std::ranges::count(cells, rule.source) == 1) own.columns.push_back(rule);
-  return check_mapping(own) ? std::optional(own) : std::nullopt;
-}
-
-Result<TableMapping> read_mapping(const std::string& path) {
-  auto mapping = read_yaml_content<TableMapping>(
-      path, "octant_columns", [](YamlMap& root, YamlLog& log, TableMapping& table) {
-        YamlMap columns(root.block("columns"), "columns", log);
-        for (const TofColumn& column : kTofColumns) {
-          if (!columns.has(column.name)) continue;
-          auto rule = rule_of(column.name, columns.required_text(column.name));
-          if (!rule) {
-            columns.fail(column.name, rule.error().found, rule.error().expected);
-          } else {
-            table.columns.push_back(std::move(*rule));
-          }
-        }
-        table.ignore = read_ignored(root, log);
-        columns.finish();
-      });
-  if (!mapping) return mapping;
-  if (auto whole = check_mapping(*mapping); !whole) {
-    Error error = whole.error();
-    error.code = Errc::kBadInput;
-    error.file = path;
-    return fail(error);
-  }
-  return mapping;
-}
-
-std::string mapping_to_yaml(const TableMapping& mapping) {
-  YamlWriter yaml;
-  yaml.begin_map(false);
-  yaml.text("octant_columns");
-  yaml.text("1");
-  yaml.text("columns");
-  yaml.begin_map(false);
-  for (const ColumnRule& rule : mapping.columns) {
-    yaml.text(rule.target);
-    yaml.text(tof_column(rule.target)->is_id ? rule.source : rule.source + "*" + exact(rule.factor), true);
-  }
-  yaml.end_map();
-  write_ignored(yaml, mapping.ignore);
-  yaml.end_map();
-  return yaml.finish();
-}
 
 Result<ConvertedTable> convert_table(const std::string& path, const TableMapping& mapping) {
   const auto map = MappedFile::open(path);

@@ -13,13 +13,17 @@
 // Any table of times of flight or distances as a tof.csv: `octant convert --columns`.
 namespace octant::io {
 
-/// A column of tof.csv out of one of the table: target = factor * source + offset; ids are taken as they
-/// stand.
+/// A column of tof.csv out of one of the table: target = factor * source + offset; ids are copied. Without a
+/// factor, the unit that the column's name states is converted (`timestamp_ms`, `Laufzeit [ms]`). Times may
+/// be dates (2026-06-11 11:33:48.686).
 struct ColumnRule {
   std::string
       target;  ///< time_s, beacon, tof_s, distance_m, epoch, vehicle, receiver, amplitude_v, temperature_degC
+  /// Name of a column; or its number from 1, "#3"; for tof_s and distance_m also a pattern, "r_{beacon}",
+  /// which stands for one column for each beacon.
   std::string source;
-  double factor = 1.0;
+  std::optional<double> factor = {};
+  std::string beacon = {}, receiver = {};  ///< of a column of one beacon
 };
 
 struct TableMapping {
@@ -27,28 +31,36 @@ struct TableMapping {
   std::vector<std::string> ignore;  ///< beacons whose rows are left out, those of a neighbour
 };
 
-/// "time=timestamp_ms*1e-3,beacon=anchor,distance=distance_cm*1e-2". Targets may go without their unit. A
-/// source without a factor whose name ends in a unit (_ms, _us, _ns, _cm, _mm, _km, _ft, _mv) gets that
-/// unit's. Errors: kUsage, naming the word.
+/// "time=timestamp_ms*1e-3,beacon=anchor,distance=distance_cm*1e-2". Targets may go without their unit.
+/// Tables with one column for each beacon: "distance=r_{beacon}" or "distance:A1=r1,distance:A2=r2" (with a
+/// receiver: distance:A1:front=...). Tables without a header line: "time=#1,distance:A1=#2".
+/// Errors: kUsage, naming the word.
 [[nodiscard]] Result<TableMapping> mapping_from_words(std::string_view words);
-/// The same as a file: octant_columns: 1, columns: {time_s: ..., ...}, ignore: [...].
+/// The same as a file: octant_columns: 1, columns: {time_s: ..., distance_m: ... or {A1: ...}}, ignore:
+/// [...].
 [[nodiscard]] Result<TableMapping> read_mapping(const std::string& path);
-/// The mapping of a table whose header has the names of tof.csv; none: it has not, or cannot be read.
+/// The mapping of a table whose header has the names of tof.csv. Returns nothing for other tables.
 [[nodiscard]] std::optional<TableMapping> mapping_of_header(const std::string& path);
 [[nodiscard]] std::string mapping_to_yaml(const TableMapping& mapping);
+
+/// Describes how a table would be read with --columns, with the names of its columns; empty for files that
+/// are no tables.
+[[nodiscard]] std::string advice_for_table(const std::string& path);
 
 /// What a table became.
 struct ConvertedTable {
   std::string csv;  ///< of tof.csv
   std::size_t rows = 0, ignored = 0, dropped = 0;
+  std::size_t not_heard = 0;  ///< empty cells of columns of one beacon
   char delimiter = ',';
   bool decimal_comma = false;
   std::vector<std::string> warnings;
 };
 
-/// Reads a table with one header row; delimiter (comma, semicolon, tabulator, bar, blanks) and decimal commas
-/// are found out. Rows that run backwards in time are put in order, rows without a beacon are dropped, with a
-/// warning. Errors: kBadInput with line and column: columns that there are not, cells that are no numbers.
+/// Reads a table. Delimiter (comma, semicolon, tabulator, bar, blanks) and decimal commas are recognised. A
+/// clock that starts again is continued, rows that are not in the order of time are sorted, rows without a
+/// beacon are dropped, each with a warning. Errors: kBadInput with line and column: columns that are missing,
+/// units that are not known, cells that are no numbers.
 [[nodiscard]] Result<ConvertedTable> convert_table(const std::string& path, const TableMapping& mapping);
 
 }  // namespace octant::io

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <chrono>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -15,13 +14,13 @@
 #include "io/text/csv.h"
 #include "io/text/open_file.h"
 #include "io/text/text.h"
+#include "io/text/time_text.h"
 
 namespace octant::io {
 namespace {
 
 constexpr std::size_t kMostFields = 4096;  ///< of a line
-constexpr double kLoggedDay_s = 86400.0;
-constexpr int kAnchors = 8;  ///< of the Crazyflie's two-way ranging
+constexpr int kAnchors = 8;                ///< of the Crazyflie's two-way ranging
 
 std::vector<std::string_view> fields_at(std::string_view line, char delimiter) {
   std::vector<std::string_view> fields;
@@ -107,43 +106,13 @@ void forget_the_only_receiver(ImportedLog& log) {
 
 // --- DWM1001
 
-/// Days from 1970-01-01; none where there is no such day.
-std::optional<double> logged_day_s(int year, unsigned month, unsigned day) {
-  const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(month),
-                                         std::chrono::day(day)};
-  if (!date.ok()) return std::nullopt;
-  return kLoggedDay_s * static_cast<double>(std::chrono::sys_days(date).time_since_epoch().count());
-}
-
-/// hh:mm:ss or hh:mm:ss.sss.
-std::optional<double> time_of_day_s(std::string_view text) {
-  double h = 0.0, m = 0.0, s = 0.0;
-  if (text.size() < 8 || text[2] != ':' || text[5] != ':' || !logged_number(text.substr(0, 2), h) ||
-      !logged_number(text.substr(3, 2), m) || !logged_number(text.substr(6), s))
-    return std::nullopt;
-  if (h < 0 || h > 23 || m < 0 || m > 59 || s < 0 || s >= 61) return std::nullopt;
-  return 3600.0 * h + 60.0 * m + s;
-}
-
-/// A time as terminals write it before a line: a number of seconds (of milliseconds where it is that large),
-/// yyyy-mm-dd hh:mm:ss, hh:mm:ss; brackets and separators around it do not matter.
+/// A time as terminals write it before a line, with brackets and separators around it.
 std::optional<double> written_time_s(std::string_view text) {
-  constexpr std::string_view kAround = " \t[]()<>,;|:->Z";
+  constexpr std::string_view kAround = " \t[]()<>,;|:->";
   const auto first = text.find_first_not_of(kAround);
   if (first == std::string_view::npos) return std::nullopt;
-  text = text.substr(first, text.find_last_not_of(kAround) - first + 1);
-  if (double number = 0.0; logged_number(text, number)) return number > 1e11 ? number * 1e-3 : number;
-  if (auto s = time_of_day_s(text)) return s;
-  double year = 0.0, month = 0.0, day = 0.0;
-  if (text.size() < 19 || !logged_number(text.substr(0, 4), year) ||
-      !logged_number(text.substr(5, 2), month) || !logged_number(text.substr(8, 2), day) ||
-      !(year >= 1970 && year <= 9999 && month >= 1 && month <= 12 && day >= 1 && day <= 31))
-    return std::nullopt;
-  const auto date =
-      logged_day_s(static_cast<int>(year), static_cast<unsigned>(month), static_cast<unsigned>(day));
-  const auto time = time_of_day_s(text.substr(11));
-  if (!date || !time) return std::nullopt;
-  return *date + *time;
+  const auto time_s = time_of_text(text.substr(first, text.find_last_not_of(kAround) - first + 1));
+  return time_s ? std::optional(seconds_of_stamp(*time_s)) : std::nullopt;
 }
 
 bool is_address(std::string_view text) {
@@ -235,18 +204,11 @@ class Dwm1001Reader {
                               before.empty() ? "a line without a time" : "no time in " + in_quotes(before),
                               "seconds, yyyy-mm-dd hh:mm:ss or hh:mm:ss before what the module said",
                               "log with time stamps, or say how far lines are apart: --period-s 0.1"));
-    // Times of a day begin again at midnight.
-    double time_s = *written + days_s_;
-    if (*written < kLoggedDay_s && time_s < last_s_ - kLoggedDay_s / 2) {
-      days_s_ += kLoggedDay_s;
-      time_s += kLoggedDay_s;
-    }
-    return last_s_ = time_s;
+    return *written;
   }
 
   VendorRows& rows_;
   const VendorLogOptions& options_;
-  double days_s_ = 0.0, last_s_ = 0.0;
   std::size_t lines_ = 0, garbled_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -14,8 +15,10 @@
 namespace octant::io {
 namespace {
 
-Result<void> finish(const CsvReader& csv, MeasurementLog& log) {
+Result<void> finish(const CsvReader& csv, std::span<const OrderWatch> order, MeasurementLog& log) {
   if (csv.error()) return fail(*csv.error());
+  for (const OrderWatch& watch : order)
+    if (const auto restarts = watch.times().restarts.note(csv.file())) log.warnings.push_back(*restarts);
   if (const auto warning = csv.unknown_columns()) log.warnings.push_back(*warning);
   return {};
 }
@@ -83,7 +86,7 @@ Result<void> parse_bearings(std::string_view text, const std::string& file, cons
   if (skipped > 0)
     log.warnings.push_back(fmt::format("{}: bearing_rad is not a number; {} row{} left out", first, skipped,
                                        skipped == 1 ? "" : "s"));
-  return finish(csv, log);
+  return finish(csv, {&order, 1}, log);
 }
 
 namespace {
@@ -149,7 +152,7 @@ Result<void> parse_odometry(std::string_view text, const std::string& file, cons
     begun[row.vehicle.index()] = true;
     log.odometry.push_back(row);
   }
-  return finish(csv, log);
+  return finish(csv, order, log);
 }
 
 Result<void> parse_scans(std::string_view text, const std::string& file, double range_max_m,
@@ -175,7 +178,7 @@ Result<void> parse_scans(std::string_view text, const std::string& file, double 
     if (csv.error()) break;
     log.scans.push_back(std::move(scan));
   }
-  return finish(csv, log);
+  return finish(csv, {&order, 1}, log);
 }
 
 }  // namespace octant::io

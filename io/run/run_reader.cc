@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "io/run/last_row.h"
+#include "io/run/run_clock.h"
 #include "io/run/run_folder.h"
 #include "io/run/tum.h"
 #include "io/text/atomic_file.h"
@@ -123,11 +124,17 @@ Result<bool> RunReader::append_arrivals(std::vector<Arrival>& all) {
   log_.rejected.insert(log_.rejected.end(), std::make_move_iterator(refused.begin()),
                        std::make_move_iterator(refused.end()));
   log_.rows = tof_->rows();
-  if (arrivals_ == 0 && all.size() > before) first_vehicle_ = all[before].vehicle;
+  if (arrivals_ == 0 && all.size() > before) {
+    first_vehicle_ = all[before].vehicle;
+    first_time_s_ = all[before].time_s;
+  }
+  for (std::size_t i = before; i < all.size(); ++i) time_unit_.add(all[i].time_s);
   arrivals_ += all.size() - before;
   if (*more) return true;
   const auto warnings = tof_->warnings();
   log_.warnings.insert(log_.warnings.end(), warnings.begin(), warnings.end());
+  if (const auto unit = time_unit_.note(path("tof.csv"))) log_.warnings.push_back(*unit);
+  clock_of_tof_ = tof_->clock();
   log_.sha256[path("tof.csv")] = tof_->sha256();
   end_ = tof_->position();
   tof_.reset();
@@ -161,6 +168,9 @@ Result<void> RunReader::read_others() {
   for (const auto part : {&RunReader::read_bearings, &RunReader::read_scans, &RunReader::read_odometry}) {
     if (auto ok = (this->*part)(); !ok) return ok;
   }
+  align_periods(log_.bearings, first_time_s_, clock_of_tof_);
+  align_periods(log_.scans, first_time_s_, clock_of_tof_);
+  align_periods(log_.odometry, first_time_s_, clock_of_tof_);
   if (options_.read_poses) {
     if (auto ok = read_track("poses.tum", log_.poses); !ok) return ok;
     if (auto ok = read_points("points.csv", "poses.tum", log_.poses, log_.pose_accuracy); !ok) return ok;
@@ -222,9 +232,12 @@ Result<void> RunReader::read_track(const char* name, std::vector<TimedPose>& pos
   const auto text = load(name);
   if (!text) return fail(text.error());
   if (!*text) return {};
-  auto track = tum_from_text((*text)->text(), path(name));
+  ContinuedClock clock;
+  auto track = tum_from_text((*text)->text(), path(name), &clock);
   if (!track) return fail(track.error());
+  if (const auto restarts = clock.note(path(name))) log_.warnings.push_back(*restarts);
   poses = std::move(*track);
+  align_periods(poses, first_time_s_, clock.period_s() > 0.0 ? clock : clock_of_tof_);
   if (poses.empty() || log_.vehicle.valid()) return {};
   return fail({.file = path(name),
                .found = fmt::format("it is open whose poses these are: the site has {} vehicles",
@@ -238,6 +251,7 @@ Result<void> RunReader::finish() {
                    : log_.bearings.empty() ? VehicleId(0)
                                            : log_.bearings.front().vehicle;
   }
+  restore_sorted_restart(log_, path("tof.csv"));
   if (arrivals_ > 0 || !log_.bearings.empty() || !log_.scans.empty()) return {};
   if (!log_.rejected.empty()) {
     return fail({.file = path("tof.csv"),

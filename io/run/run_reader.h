@@ -79,7 +79,10 @@ class RunReader {
   TofPosition end_;                 // then, of the end
   bool has_tof_ = false;
   std::size_t arrivals_ = 0;
-  VehicleId first_vehicle_;  // of the first arrival
+  VehicleId first_vehicle_;                                         // of the first arrival
+  double first_time_s_ = std::numeric_limits<double>::quiet_NaN();  // of the first arrival
+  ContinuedClock clock_of_tof_;
+  TimeUnitCheck time_unit_;
 };
 
 }  // namespace octant::io

@@ -11,6 +11,7 @@
 
 #include "io/text/bounds.h"
 #include "io/text/text.h"
+#include "io/tof/continued_clock.h"
 #include "io/tof/run_parts.h"
 #include "models/physics/unit_rotation.h"
 #include "models/support/largest.h"
@@ -23,7 +24,8 @@ constexpr const char* kExpected = "time_s x y z qx qy qz qw, separated by blanks
 /// Reads the lines of a TUM text; the first error sticks.
 class TumReader {
  public:
-  TumReader(std::string_view text, const std::string& file) : text_(without_bom(text)), file_(file) {}
+  TumReader(std::string_view text, const std::string& file, ContinuedClock* clock)
+      : text_(without_bom(text)), file_(file), clock_(clock) {}
 
   Result<std::vector<TimedPose>> read() {
     if (auto ok = check_lines(text_, file_); !ok) return fail(ok.error());
@@ -32,8 +34,11 @@ class TumReader {
       const std::string_view line = take_line(text_);
       std::array<double, 8> v{};
       if (!read_numbers(line.substr(0, line.find('#')), v)) continue;
+      const double stated_s = v[0];
+      if (clock_ != nullptr && !poses.empty()) v[0] = clock_->continued(stated_s, poses.back().time_s, line_);
       if (!poses.empty() && !(v[0] > poses.back().time_s)) {
-        note(0, fmt::format("time_s {} after {}", exact(v[0]), exact(poses.back().time_s)),
+        const double last_s = poses.back().time_s - (v[0] - stated_s);
+        note(0, fmt::format("time_s {} after {}", exact(stated_s), exact(last_s)),
              "strictly increasing times", "sort the rows and keep one for each time");
         break;
       }
@@ -86,6 +91,7 @@ class TumReader {
 
   std::string_view text_;
   const std::string& file_;
+  ContinuedClock* clock_;
   int line_ = 1;
   std::optional<Error> error_;
 };
@@ -138,8 +144,9 @@ void append_csv(std::string& text, const Fix& fix, const NameTable& names) {
 
 }  // namespace
 
-Result<std::vector<TimedPose>> tum_from_text(std::string_view text, const std::string& file) {
-  return TumReader(text, file).read();
+Result<std::vector<TimedPose>> tum_from_text(std::string_view text, const std::string& file,
+                                             ContinuedClock* clock) {
+  return TumReader(text, file, clock).read();
 }
 
 std::vector<OdometryStep> steps_between(const std::vector<TimedPose>& poses, VehicleId vehicle) {

@@ -13,10 +13,14 @@
 
 namespace octant::io {
 
+class ContinuedClock;
+
 /// Reads `time_s x y z qx qy qz qw` rows, strictly increasing in time; # starts a comment. Quaternions are
 /// normalised. Errors name line and column.
-/// @param file  for messages
-[[nodiscard]] Result<std::vector<TimedPose>> tum_from_text(std::string_view text, const std::string& file);
+/// @param file   for messages
+/// @param clock  continues a clock that starts again; without it, a step back is an error
+[[nodiscard]] Result<std::vector<TimedPose>> tum_from_text(std::string_view text, const std::string& file,
+                                                           ContinuedClock* clock = nullptr);
 /// The way from each pose to the next, in the frame of the first of the two; the first step has none.
 [[nodiscard]] std::vector<OdometryStep> steps_between(const std::vector<TimedPose>& poses, VehicleId vehicle);
 [[nodiscard]] std::string poses_to_tum(const std::vector<TimedPose>& poses);

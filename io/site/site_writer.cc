@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "io/site/site_yaml.h"
+#include "io/text/text.h"
 #include "io/yaml/yaml_writer.h"
 
 namespace octant::io {

@@ -12,6 +12,7 @@
 
 #include "io/text/bounds.h"
 #include "io/text/csv_scan.h"
+#include "io/text/time_text.h"
 #include "io/tof/tof_columns.h"
 #include "models/support/largest.h"
 
@@ -192,7 +193,9 @@ int CsvReader::require(std::string_view name) {
             fmt::format("column{} {} {} missing (columns: {})", many ? "s" : "", fmt::join(quoted, ", "),
                         many ? "are" : "is", listed(header_, 12)),
             many ? "a header row that names them" : "a header row that names it",
-            headless ? "the header row itself seems to be missing" : renamed_columns());
+            headless
+                ? "the header row itself seems to be missing" + convert_advice("time=#1,beacon=#2,tof=#3")
+                : renamed_columns());
   return column;
 }
 
@@ -207,8 +210,14 @@ std::string CsvReader::renamed_columns() const {
     }
   return guesses.empty()
              ? ""
-             : fmt::format("is it {}? Rename the columns, and mind the units that the names state",
-                           fmt::join(guesses, ", "));
+             : fmt::format("is it {}? Rename the columns, and mind the units that the names state{}",
+                           fmt::join(guesses, ", "), convert_advice("time=COLUMN,beacon=COLUMN,tof=COLUMN"));
+}
+
+/// How a table of arrivals is read as it is; empty for other files.
+std::string CsvReader::convert_advice(std::string_view columns) const {
+  if (!file_.ends_with("tof.csv")) return "";
+  return fmt::format("; octant convert {} --columns {} -o RUN reads the table as it is", file_, columns);
 }
 
 std::optional<std::string> CsvReader::unknown_columns() const {
@@ -337,10 +346,17 @@ std::size_t CsvReader::rows_left_estimate() const {
 bool CsvReader::not_a_number(int column, const char* expected) {
   const std::string_view text = field(column);
   const bool comma = text.find(',') != std::string_view::npos;
+  const bool is_time = header_[static_cast<std::size_t>(column)] == "time_s" && time_of_text(text);
   return fail_at(column,
                  fmt::format("{} is {}", header_[static_cast<std::size_t>(column)],
                              text.empty() ? "empty" : in_quotes(text)),
-                 expected, comma ? "decimal points, not commas" : "");
+                 expected,
+                 is_time
+                     ? file_.ends_with("tof.csv")
+                           ? fmt::format("octant convert {} -o RUN turns dates and times into seconds", file_)
+                           : "seconds, from the same beginning as in the other files of the recording"
+                 : comma ? "decimal points, not commas"
+                         : "");
 }
 
 bool CsvReader::number_or_nan(int column, double& value) {

@@ -95,6 +95,7 @@ class CsvReader {
   void next_line_of_file() { line_ += static_cast<int>(line_ < std::numeric_limits<int>::max()); }
   bool not_a_number(int column, const char* expected);
   [[nodiscard]] std::string renamed_columns() const;
+  [[nodiscard]] std::string convert_advice(std::string_view columns) const;
   void fail_file(int line, std::string found, std::string expected, std::string advice = "");
 
   std::string file_;

@@ -21,10 +21,13 @@ bool OrderWatch::begin_epoch(VehicleId vehicle, std::int64_t epoch) {
   return true;
 }
 
-bool OrderWatch::time(CsvReader& csv, double time_s) {
+bool OrderWatch::time(CsvReader& csv, double& time_s) {
+  const double stated_s = time_s;
+  time_s = times_.restarts.continued(stated_s, times_.last_time_s, csv.line());
   if (advance_time(time_s)) return true;
   return csv.fail_at(time_column_,
-                     fmt::format("time_s goes back from {} to {}", exact(last_time_s_), exact(time_s)),
+                     fmt::format("time_s goes back from {} to {}",
+                                 exact(times_.last_time_s - times_.restarts.offset_s()), exact(stated_s)),
                      "times that do not decrease", "sort the rows by time_s");
 }
 

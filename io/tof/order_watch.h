@@ -10,6 +10,7 @@
 #include <boost/icl/interval_set.hpp>
 
 #include "io/text/csv.h"
+#include "io/tof/continued_clock.h"
 #include "models/ids.h"
 #include "models/run.h"
 
@@ -22,23 +23,33 @@ class OrderWatch {
 
   // Next value; false, and nothing changes, where it is out of order.
   [[nodiscard]] bool advance_time(double time_s) {
-    if (time_s < last_time_s_) return false;
-    last_time_s_ = time_s;
+    if (time_s < times_.last_time_s) return false;
+    times_.last_time_s = time_s;
     return true;
   }
   [[nodiscard]] bool advance_epoch(VehicleId vehicle, std::int64_t epoch) {
     return epoch == current_[vehicle.index()] || begin_epoch(vehicle, epoch);
   }
 
-  // The same for a row of a file; false after logging an error at the column.
-  bool time(CsvReader& csv, double time_s);
+  /// Checks the time of a row of a file. A clock that starts again is continued, in `time_s`.
+  /// Returns false after logging an error at the column.
+  bool time(CsvReader& csv, double& time_s);
+  /// The same check for the epoch of a row.
   bool epoch(CsvReader& csv, VehicleId vehicle, std::int64_t epoch);
+
+  /// Times of the rows so far, with which another watch goes on.
+  struct Times {
+    ContinuedClock restarts;
+    double last_time_s = -std::numeric_limits<double>::infinity();
+  };
+  [[nodiscard]] const Times& times() const { return times_; }
+  void go_on(const Times& times) { times_ = times; }
 
  private:
   bool begin_epoch(VehicleId vehicle, std::int64_t epoch);
 
   int time_column_, epoch_column_;
-  double last_time_s_ = -std::numeric_limits<double>::infinity();
+  Times times_;
   std::vector<std::int64_t> current_;  // by vehicle
   // By vehicle; millions of epochs that mostly come in increasing order are a few intervals.
   std::vector<boost::icl::interval_set<std::int64_t>> finished_;

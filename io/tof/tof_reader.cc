@@ -36,7 +36,11 @@ Result<void> TofReader::read_header() {
   if (csv_.error()) return fail(text_error(*csv_.error()));
   order_.emplace(names_.names().vehicles.size(), columns_->time, columns_->epoch);
   general_ = options_.general_way || !is_utf8(text_.substr(0, csv_.offset()));
-  if (options_.from) csv_.go_to(options_.from->offset, options_.from->line);
+  if (options_.from) {
+    csv_.go_to(options_.from->offset, options_.from->line);
+    order_->go_on(options_.from->times);
+    general_ = general_ || clock().offset_s() != 0.0;  // the parser of pieces does not continue clocks
+  }
   body_ = offset_ = given_back_ = csv_.offset();
   line_ = csv_.next_line();
   if (general_) {
@@ -203,6 +207,7 @@ Error TofReader::first_error() const {
 std::vector<std::string> TofReader::warnings() const {
   std::vector<std::string> warnings;
   if (const auto unknown = csv_.unknown_columns()) warnings.push_back(*unknown);
+  if (const auto restarts = clock().note(file_)) warnings.push_back(*restarts);
   refusals_.warn(file_, warnings);
   return warnings;
 }

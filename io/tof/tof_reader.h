@@ -17,10 +17,11 @@
 
 namespace octant::io {
 
-/// Where a row begins.
+/// Where a row begins, and the times of the rows before it.
 struct TofPosition {
   std::size_t offset = 0;
   int line = 1;
+  OrderWatch::Times times = {};
 };
 
 struct TofReaderOptions {
@@ -62,9 +63,12 @@ class TofReader {
 
   /// Of the first row that has not been given out.
   [[nodiscard]] TofPosition position() const {
-    return general_ ? TofPosition{csv_.offset(), csv_.next_line()} : TofPosition{offset_, line_};
+    return general_ ? TofPosition{csv_.offset(), csv_.next_line(), order_->times()}
+                    : TofPosition{offset_, line_, order_->times()};
   }
   [[nodiscard]] std::size_t rows() const { return rows_; }  ///< so far, refused ones included
+  /// The clock of the rows so far, on which a restart is continued.
+  [[nodiscard]] const ContinuedClock& clock() const { return order_->times().restarts; }
   [[nodiscard]] TofRefusals& refusals() { return refusals_; }
   /// Of the file as a whole; at the end.
   [[nodiscard]] std::vector<std::string> warnings() const;

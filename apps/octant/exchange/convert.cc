@@ -112,8 +112,11 @@ int convert_by_columns(const ConvertArgs& args, const std::optional<io::TableMap
   write_run_files(args.output, files, session);
   session.result(
       fmt::format("{:<17}{}: {} arrivals{}\n", "run", args.output, table.rows, ignored_words(table.ignored)));
-  return session.finish(
-      {{"format", "table"}, {"run", args.output}, {"arrivals", table.rows}, {"ignored", table.ignored}});
+  return session.finish({{"format", "table"},
+                         {"run", args.output},
+                         {"arrivals", table.rows},
+                         {"ignored", table.ignored},
+                         {"not_heard", table.not_heard}});
 }
 
 /// What names come with: the log's own, no site file.
@@ -163,6 +166,16 @@ int convert_vendor(const ConvertArgs& args, const std::string& format, Session& 
   return finish_import(args, need(std::move(log)), {}, format, session);
 }
 
+/// A CARMEN log. Where --format does not state it, a file that is none may be a table or the log of a kit.
+MeasurementLog from_carmen(const ConvertArgs& args) {
+  auto log = io::read_carmen_log(args.input);
+  if (log || args.format != "auto") return need(std::move(log));
+  Error error = log.error();
+  if (std::string advice = io::advice_for_table(args.input); !advice.empty())
+    error.advice = advice + "; the logs of kits are read with --format, see octant convert --help";
+  fail_with(error);
+}
+
 int run(const ConvertArgs& args, Session& session) {
   if (!args.columns.empty()) return convert_by_columns(args, std::nullopt, session);
   const std::string format = format_of(args);
@@ -186,7 +199,7 @@ int run(const ConvertArgs& args, Session& session) {
                  .found = fmt::format("{} beacons", names.beacons.size()),
                  .expected = "3 to 16, in the order in which they fire"});
   }
-  MeasurementLog log = format == "carmen"     ? need(io::read_carmen_log(args.input))
+  MeasurementLog log = format == "carmen"     ? from_carmen(args)
                        : format == "counters" ? from_counters(args, names)
                                               : from_pulses(args, names);
   session.warn(log.warnings);
@@ -208,8 +221,10 @@ void add_mapping_options(CLI::App& command, ConvertArgs& args) {
   add_option(command, "--columns", args.columns, "MAPPING",
              "Any table: which of its columns is what, as "
              "time=timestamp_ms,beacon=anchor,tof=tof_us*1e-6 (or distance=..., epoch, receiver, "
-             "vehicle, amplitude, temperature), or a file that --save-columns wrote; delimiter and "
-             "decimal commas are found out");
+             "vehicle, amplitude, temperature), or a file that --save-columns wrote. One column for "
+             "each beacon: time=t,distance=r_{beacon} or time=t,distance:A1=r1,distance:A2=r2. "
+             "Without a header line: time=#1,beacon=#2,distance=#3. Units at the end of names (_ms, "
+             "[cm]), dates with times, delimiters and decimal commas are recognised");
   add_option(command, "--topics", args.topics, "MAPPING",
              "Bags: which topic is what, as range=/uwb/{receiver}/{beacon} (or range=/uwb@{beacon}, by "
              "frame_id; range:B3=/kit/range_3), odometry=/odom, poses=/mocap/pose, "

@@ -7,24 +7,6 @@
 namespace octant::io::test {
 namespace {
 
-TEST(TopicMap, PatternsNameBeaconsAndReceivers) {
-  const auto names = [](const char* pattern, const char* text) {
-    std::map<std::string, std::string, std::less<>> found;
-    if (!matches(pattern, text, found)) return std::string("no");
-    std::string all;
-    for (const auto& [name, value] : found) all += name + "=" + value + " ";
-    return all;
-  };
-  EXPECT_EQ(names("/uwb/{receiver}/{beacon}", "/uwb/front/A1"), "beacon=A1 receiver=front ");
-  EXPECT_EQ(names("/uwb/{beacon}", "/uwb/front/A1"), "no") << "a name has no slash";
-  EXPECT_EQ(names("/uwb/{beacon}", "/uwb/"), "no");
-  EXPECT_EQ(names("anchor_{beacon}_range", "anchor_A_1_range"), "beacon=A_1 ");
-  EXPECT_EQ(names("*/{beacon}", "/a/b/c"), "beacon=c ");
-  EXPECT_EQ(names("/r", "/r"), "");
-  EXPECT_EQ(names("/r", "/rr"), "no");
-  EXPECT_EQ(names("********x", std::string(200, 'a').c_str()), "no");
-}
-
 TEST(TopicMap, WhatIsWrittenReadsBack) {
   const auto mapping = topics_from_words(
       "range=/uwb/{receiver}/{beacon},range:B3:r1=/kit/range_3,range=/all@a_{beacon},odometry=/odom,poses=/"

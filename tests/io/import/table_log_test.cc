@@ -36,6 +36,26 @@ TEST(TableLog, TablesAsTheyCome) {
        "\xEF\xBB\xBF# words\r\nt\tb\td\r\n1\tB 1\t2\r\n", "time_s,beacon,tof_s\n1,B 1,2\n"},
       {"blanks", "time=t,beacon=b,tof=d,receiver=r", "t   b  r d\n1   B1 0 2\n",
        "time_s,beacon,tof_s,receiver\n1,B1,2,0\n"},
+      {"a unit in brackets", "time=t,beacon=b,tof=Laufzeit [ms]", "t;b;Laufzeit [ms]\n1;B1;20,5\n",
+       "time_s,beacon,tof_s\n1,B1,0.0205\n"},
+      {"dates", "time=when,beacon=b,tof=d",
+       "when,b,d\n2026-06-11 11:33:48.5,B1,1\n2026-06-11T11:33:49Z,B1,2\n",
+       "time_s,beacon,tof_s\n1781177628.5,B1,1\n1781177629,B1,2\n"},
+      {"a counter that starts again", "time=micros,beacon=b,tof=d",
+       "micros,b,d\n4294900000,B1,1\n32704,B1,2\n", "time_s,beacon,tof_s\n4294.9,B1,1\n4295,B1,2\n"},
+      {"stamps in nanoseconds", "time=stamp,beacon=b,tof=d", "stamp,b,d\n1585909600500000000,B1,1\n",
+       "time_s,beacon,tof_s\n1585909600.5,B1,1\n"},
+      {"a column for each beacon", "time=t,distance=r_{beacon},epoch=stop",
+       "t,r_A1,r_A2,q,stop\n1,1.5,,7,0\n2,nan,2.5,7,1\n",
+       "time_s,epoch,beacon,distance_m\n1,0,A1,1.5\n2,1,A2,2.5\n"},
+      {"a column for each beacon and receiver", "time=t,distance=d_{receiver}_{beacon}_cm",
+       "t,d_l_A1_cm,d_r_A1_cm\n1,150,160\n", "time_s,beacon,distance_m,receiver\n1,A1,1.5,l\n1,A1,1.6,r\n"},
+      {"columns of named beacons", "time=t,tof:A1=one,tof:A2:left=two*1e-3", "t,one,two\n1,0.5,20\n",
+       "time_s,beacon,tof_s,receiver\n1,A1,0.5,\n1,A2,0.02,left\n"},
+      {"without a header line", "time=#1*1e-3,distance:A1=#3,distance:A2=#2", "500,1.5,nan\n1000,2.5,3.5\n",
+       "time_s,beacon,distance_m\n0.5,A2,1.5\n1,A1,3.5\n1,A2,2.5\n"},
+      {"numbers of columns under a header", "time=#1,beacon=#2,distance=#3", "ms,id,r (cm)\n500,A1,150\n",
+       "time_s,beacon,distance_m\n0.5,A1,1.5\n"},
       {"out of order, empty cells", "time=t,beacon=b,tof=d", "t,b,d\n2,B1,0.1\n1,B2,\n3,,0.1\n",
        "time_s,beacon,tof_s\n1,B2,\n2,B1,0.1\n"},
   };
@@ -91,6 +111,16 @@ TEST(TableLog, FaultsAreNamed) {
   EXPECT_NE(found("time=t,time=u,beacon=b,tof=d").find("twice"), std::string::npos);
   EXPECT_NE(found("time=t*fast,beacon=b,tof=d").find("'fast' is no factor"), std::string::npos);
   EXPECT_NE(found("time=,beacon=b,tof=d").find("has no column"), std::string::npos);
+  EXPECT_NE(found("time:A1=t,beacon=b,tof=d").find("'time:A1' is no column"), std::string::npos);
+  EXPECT_NE(found("time=t,tof:=d").find("names no beacon"), std::string::npos);
+  EXPECT_NE(found("time=t,tof=d_{anchor}").find("'{anchor}' where a name is to stand"), std::string::npos);
+  EXPECT_NE(found("time=t,tof=d_{receiver}").find("does not name the beacon"), std::string::npos);
+  EXPECT_NE(found("time=t,beacon=b,tof:A1=d").find("both a column of beacons"), std::string::npos);
+  EXPECT_NE(found("time=t,tof:A1=d,tof:A1=e").find("several columns for A1"), std::string::npos);
+  EXPECT_NE(found("time=t,tof=d_{beacon},tof:A1=e").find("several columns for d_{beacon}"),
+            std::string::npos);
+  EXPECT_NE(found("time=t,tof=d_{receiver}_{beacon},receiver=r").find("both a column of receivers"),
+            std::string::npos);
 
   const test::TemporaryFolder box;
   const auto mapping = mapping_from_words("time=t,beacon=b,tof=d");
@@ -110,6 +140,51 @@ TEST(TableLog, FaultsAreNamed) {
   EXPECT_NE(fault("t,b,d\n\"1,5\",B1,2\n").find("decimal comma"), std::string::npos);
   EXPECT_EQ(fault("t,b,d\n1,5,B1,2\n").find("decimal comma"), std::string::npos);
   EXPECT_NE(fault("t,b,d\n1,\xFF,1\n").find("t.csv"), std::string::npos);
+}
+
+TEST(TableLog, ATableWithoutAHeaderLosesNoRow) {
+  const test::TemporaryFolder box;
+  ASSERT_TRUE(write_file(box.path("t.csv"), "1000,28486,4.5\n2000,28435,nan\n"));
+  const auto by_name = mapping_from_words("time=1000,beacon=28486,distance=4.5");
+  ASSERT_TRUE(by_name);
+  const auto refused = convert_table(box.path("t.csv"), *by_name);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message().find("t.csv:1: the first line holds numbers only"), std::string::npos);
+  EXPECT_NE(refused.error().message().find("time=#1,beacon=#2,distance=#3"), std::string::npos);
+  const auto numbered = mapping_from_words("time=#1*1e-3,beacon=#2,distance=#3");
+  ASSERT_TRUE(numbered);
+  const auto table = convert_table(box.path("t.csv"), *numbered);
+  ASSERT_TRUE(table);
+  EXPECT_EQ(table->csv, "time_s,beacon,distance_m\n1,28486,4.5\n2,28435,\n");
+}
+
+TEST(TableLog, MappingsOfOneColumnEachAreKept) {
+  const test::TemporaryFolder box;
+  for (const char* words : {"time=t,distance=r_{beacon}*1e-2", "time=#1,tof:A1=#2,tof:5:left=two*1e-3"}) {
+    const auto mapping = mapping_from_words(words);
+    ASSERT_TRUE(mapping) << words;
+    ASSERT_TRUE(write_file(box.path("m.yaml"), mapping_to_yaml(*mapping)));
+    const auto again = read_mapping(box.path("m.yaml"));
+    ASSERT_TRUE(again) << again.error().message();
+    ASSERT_EQ(again->columns.size(), mapping->columns.size());
+    for (std::size_t i = 0; i < again->columns.size(); ++i) {
+      EXPECT_EQ(again->columns[i].source, mapping->columns[i].source);
+      EXPECT_EQ(again->columns[i].beacon, mapping->columns[i].beacon);
+      EXPECT_EQ(again->columns[i].receiver, mapping->columns[i].receiver);
+      EXPECT_EQ(again->columns[i].factor, mapping->columns[i].factor);
+    }
+  }
+}
+
+TEST(TableLog, TheColumnsOfATableAreNamedWithTheWayToReadThem) {
+  const test::TemporaryFolder box;
+  ASSERT_TRUE(write_file(box.path("t.csv"), "# kit\nwhen;r_A1;r_A2\n1;2;3\n"));
+  EXPECT_NE(advice_for_table(box.path("t.csv")).find("columns of this one: when, r_A1, r_A2"),
+            std::string::npos);
+  ASSERT_TRUE(write_file(box.path("n.csv"), "1,2,3\n"));
+  EXPECT_NE(advice_for_table(box.path("n.csv")).find("time=#1"), std::string::npos);
+  ASSERT_TRUE(write_file(box.path("words.txt"), "no table\n"));
+  EXPECT_EQ(advice_for_table(box.path("words.txt")), "");
 }
 
 }  // namespace

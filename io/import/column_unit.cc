@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "io/import/column_unit.h"
+
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "io/text/text.h"
+
+namespace octant::io {
+namespace {
+
+struct Unit {
+  std::string_view name;      ///< lower case
+  std::string_view quantity;  ///< the SI unit at the end of the target's name
+  UnitConversion conversion;
+  bool clear = true;  ///< recognised behind an underscore too; others are words or letters of other meaning
+};
+
+constexpr Unit kUnits[] = {
+    {"s", "s", {1.0}},
+    {"sec", "s", {1.0}},
+    {"secs", "s", {1.0}},
+    {"seconds", "s", {1.0}},
+    {"ms", "s", {1e-3}},
+    {"msec", "s", {1e-3}},
+    {"millis", "s", {1e-3}},
+    {"milliseconds", "s", {1e-3}},
+    {"us", "s", {1e-6}},
+    {"\xC2\xB5s", "s", {1e-6}},  // micro sign
+    {"\xCE\xBCs", "s", {1e-6}},  // Greek mu
+    {"usec", "s", {1e-6}},
+    {"micros", "s", {1e-6}},
+    {"microseconds", "s", {1e-6}},
+    {"ns", "s", {1e-9}},
+    {"nsec", "s", {1e-9}},
+    {"nanos", "s", {1e-9}},
+    {"nanoseconds", "s", {1e-9}},
+    {"ps", "s", {1e-12}},
+    {"min", "s", {60.0}, false},
+    {"h", "s", {3600.0}, false},
+    {"m", "m", {1.0}},
+    {"metres", "m", {1.0}},
+    {"meters", "m", {1.0}},
+    {"dm", "m", {0.1}},
+    {"cm", "m", {1e-2}},
+    {"mm", "m", {1e-3}},
+    {"km", "m", {1e3}},
+    {"ft", "m", {0.3048}},
+    {"feet", "m", {0.3048}},
+    {"in", "m", {0.0254}, false},
+    {"inch", "m", {0.0254}},
+    {"yd", "m", {0.9144}},
+    {"v", "v", {1.0}},
+    {"mv", "v", {1e-3}},
+    {"uv", "v", {1e-6}},
+    {"degc", "degC", {1.0}},
+    {"\xC2\xB0"
+     "c",
+     "degC",
+     {1.0}},  // degree sign
+    {"celsius", "degC", {1.0}},
+    {"c", "degC", {1.0}, false},
+    {"degf", "degC", {5.0 / 9.0, -160.0 / 9.0}},
+    {"\xC2\xB0"
+     "f",
+     "degC",
+     {5.0 / 9.0, -160.0 / 9.0}},
+    {"f", "degC", {5.0 / 9.0, -160.0 / 9.0}, false},
+    {"kelvin", "degC", {1.0, -273.15}},
+    {"k", "degC", {1.0, -273.15}, false},
+};
+
+const Unit* unit_named(std::string_view text) {
+  const std::string name = lower_case(text);
+  for (const Unit& unit : kUnits)
+    if (unit.name == name) return &unit;
+  return nullptr;
+}
+
+/// The text in the brackets at the end of a name; empty where there are none.
+std::string_view bracketed(std::string_view name) {
+  for (const auto& [open, close] : {std::pair{'[', ']'}, {'(', ')'}, {'{', '}'}, {'<', '>'}}) {
+    const std::size_t begin = name.rfind(open);
+    if (name.ends_with(close) && begin != std::string_view::npos)
+      return without_blanks(name.substr(begin + 1, name.size() - begin - 2));
+  }
+  return {};
+}
+
+std::string names_of_units(std::string_view quantity) {
+  std::vector<std::string> names;
+  for (const Unit& unit : kUnits)
+    if (unit.quantity == quantity) names.emplace_back(unit.name);
+  return listed(names, 32);
+}
+
+}  // namespace
+
+Result<UnitConversion> unit_of_column(std::string_view name, std::string_view target) {
+  const std::string_view quantity = target.substr(target.rfind('_') + 1);
+  const auto refuse = [&](std::string found) {
+    return fail({.code = Errc::kBadInput,
+                 .found = std::move(found),
+                 .expected = fmt::format("a unit of {}: {}", target, names_of_units(quantity)),
+                 .advice = fmt::format("state the factor: {}={}*FACTOR", target, name)});
+  };
+  const std::string_view brackets = bracketed(name);
+  const Unit* unit = nullptr;
+  if (!brackets.empty()) {
+    unit = unit_named(brackets);
+    if (unit == nullptr)
+      return refuse(fmt::format("column {} states the unit {}", in_quotes(name), in_quotes(brackets)));
+  } else {
+    const std::size_t at = name.find_last_of("_ ./-");
+    unit = unit_named(at == std::string_view::npos ? name : name.substr(at + 1));
+    const bool in = at != std::string_view::npos && name.substr(0, at).ends_with(" in");  // "range in ft"
+    if (unit != nullptr && !unit->clear && !in) unit = nullptr;
+    if (at == std::string_view::npos && name.size() < 2) unit = nullptr;  // columns called s, m, v
+  }
+  if (unit == nullptr) return UnitConversion{};
+  if (unit->quantity == quantity) return unit->conversion;
+  return refuse(fmt::format("column {} is in {}", in_quotes(name), in_quotes(unit->name)));
+}
+
+}  // namespace octant::io

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "io/text/time_text.h"
+
+#include <gtest/gtest.h>
+
+namespace octant::io {
+namespace {
+
+TEST(TimeText, NumbersDatesAndTimesOfDayAreSeconds) {
+  const std::pair<const char*, double> cases[] = {{"12.5", 12.5},
+                                                  {"-1e-3", -1e-3},
+                                                  {"00:00:00", 0.0},
+                                                  {"23:59:59.25", 86399.25},
+                                                  {"9:05:07,5", 32707.5},
+                                                  {"1970-01-02 00:00:00", 86400.0},
+                                                  {"2026-06-11 11:33:48.686", 1781177628.686},
+                                                  {"2026-06-11T11:33:48.686Z", 1781177628.686},
+                                                  {"2026-06-11T13:33:48.686+02:00", 1781177628.686},
+                                                  {"2026-06-11T06:33:48.686-0500", 1781177628.686},
+                                                  {"2026/6/11 11:33:48", 1781177628.0},
+                                                  {"11.06.2026 11:33:48", 1781177628.0}};
+  for (const auto& [text, seconds] : cases) {
+    const auto time_s = time_of_text(text);
+    ASSERT_TRUE(time_s) << text;
+    EXPECT_DOUBLE_EQ(*time_s, seconds) << text;
+  }
+}
+
+TEST(TimeText, OtherTextIsNoTime) {
+  for (const char* text : {"", "nan", "inf", "yesterday", "2026-06-11", "2026-02-30 00:00:00", "24:00:00",
+                           "12:60:00", "12:00", "12:00:00 o'clock", "2026-06-11 11:33:48 +25:00", "1.2.3",
+                           "06-11-2026 11:33:48", "2026-06-11 11:33:48-", "99999999999999999999:00:00"})
+    EXPECT_FALSE(time_of_text(text)) << text;
+}
+
+TEST(TimeText, StampsBeyondTheYear5138AreInASmallerUnit) {
+  EXPECT_DOUBLE_EQ(seconds_of_stamp(1585909600.123), 1585909600.123);
+  EXPECT_DOUBLE_EQ(seconds_of_stamp(1585909600123.0), 1585909600.123);
+  EXPECT_DOUBLE_EQ(seconds_of_stamp(1585909600123456.0), 1585909600.123456);
+  EXPECT_DOUBLE_EQ(seconds_of_stamp(1585909600123456789.0), 1585909600.123456789);
+  EXPECT_DOUBLE_EQ(seconds_of_stamp(4294967295.0), 4294967295.0) << "a counter";
+}
+
+}  // namespace
+}  // namespace octant::io
