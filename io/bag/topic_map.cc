@@ -20,7 +20,7 @@ bool names_beacon(const RangeTopics& r) {
          r.frame.find("{beacon}") != std::string::npos;
 }
 
-/// What is wrong with a mapping; empty: nothing.
+/// Fault of a mapping; empty if it is valid.
 std::string fault_of_topics(const TopicMapping& mapping) {
   for (const RangeTopics& r : mapping.ranges) {
     for (const std::string* pattern : {&r.topic, &r.frame})

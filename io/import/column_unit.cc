@@ -80,7 +80,7 @@ const Unit* unit_named(std::string_view text) {
   return nullptr;
 }
 
-/// The text in the brackets at the end of a name; empty where there are none.
+/// Text in the brackets at the end of a name; empty without brackets.
 std::string_view bracketed(std::string_view name) {
   for (const auto& [open, close] : {std::pair{'[', ']'}, {'(', ')'}, {'{', '}'}, {'<', '>'}}) {
     const std::size_t begin = name.rfind(open);

@@ -14,7 +14,7 @@
 #include "models/run.h"
 #include "models/support/result.h"
 
-// What logs of other programs and devices hold, before a site file knows their names.
+// Content of logs of other programs and devices, before a site file defines their names.
 namespace octant::io {
 
 inline constexpr std::size_t kMostImportedNames = 10'000;
@@ -47,18 +47,18 @@ struct ImportedLog {
   std::vector<ImportedArrival> arrivals;
   std::vector<TimedPose> odometry;  ///< poses in a frame of its own, as odometry counts them
   std::vector<TimedPose> poses, truth;
-  std::string run_yaml;                        ///< as it stands; empty: none
+  std::string run_yaml;                        ///< content of run.yaml; empty: not written
   std::map<std::string, std::size_t> ignored;  ///< rows of beacons that were to be ignored
-  std::size_t not_heard = 0;                   ///< rows without a distance: none was measured
+  std::size_t not_heard = 0;                   ///< rows without a distance, where no measurement was made
   std::vector<std::string> warnings;
 
   [[nodiscard]] std::size_t ignored_rows() const;
 };
 
-/// The run folder's files of a log, in the order of time. Where `speed_mps` is given, distances become the
-/// times of flight that the device had measured if it took that speed; otherwise tof.csv has distance_m.
-/// Adds warnings: rows that ran backwards in time, poses of one instant, rows of ignored beacons.
-/// Errors: kBadInput: nothing to write; both times and distances without a speed.
+/// Files of a run folder for a log, in the order of time. With `speed_mps`, distances are converted to the
+/// times of flight from which the device computed them with this speed; otherwise tof.csv has distance_m.
+/// Adds warnings about rows that ran backwards in time, repeated poses of one time, and rows of ignored
+/// beacons. Errors: kBadInput: an empty log; both times and distances without a speed.
 [[nodiscard]] Result<std::vector<FileContent>> run_files(ImportedLog& log, const std::string& folder,
                                                          std::optional<double> speed_mps);
 

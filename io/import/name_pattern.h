@@ -11,8 +11,8 @@ namespace octant::io {
 
 using PatternNames = std::map<std::string, std::string, std::less<>>;
 
-/// Returns a description of what is wrong with a pattern; an empty text if it is valid. {beacon}, {receiver}
-/// and {vehicle} stand for a name without a slash, * for any text.
+/// Fault of a pattern; empty if it is valid. {beacon}, {receiver} and {vehicle} match a name without a slash,
+/// * matches any text.
 [[nodiscard]] std::string fault_of_pattern(std::string_view pattern);
 
 /// Returns true if the text matches the pattern; the names in it are added to `names`.

@@ -12,7 +12,7 @@
 
 namespace octant::io {
 
-/// The column of tof.csv of a name or short name; null if there is none.
+/// Column of tof.csv with this name or short name; null if there is no such column.
 [[nodiscard]] const TofColumn* tof_column(std::string_view name);
 
 /// Cells of one line. Quotes as in RFC 4180; several blanks are one delimiter.

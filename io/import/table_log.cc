@@ -29,7 +29,7 @@ struct TableColumn {
   std::string name;  ///< as messages say it
   const TofColumn* target;
   UnitConversion unit;
-  std::string beacon, receiver;  ///< of a column of one beacon
+  std::string beacon, receiver;  ///< names of a column of one beacon
 };
 
 /// factor * value. A factor such as 1e-3 divides, so that 50 ms are 0.05 s to the last digit.
@@ -88,8 +88,8 @@ class TableReader {
     return error("a quote that does not end on its line", "quotes in pairs, and a row a line");
   }
 
-  /// Finds the columns. Returns true if the line is a header; a table whose columns are all numbered may have
-  /// none.
+  /// Finds the columns. Returns true if the line is a header; a table whose columns are all numbered may be
+  /// without.
   Result<bool> read_first_line(std::string_view line) {
     out_.delimiter = delimiter_of(line, mapping_);
     const auto cells = cells_in(line);

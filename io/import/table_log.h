@@ -19,11 +19,11 @@ namespace octant::io {
 struct ColumnRule {
   std::string
       target;  ///< time_s, beacon, tof_s, distance_m, epoch, vehicle, receiver, amplitude_v, temperature_degC
-  /// Name of a column; or its number from 1, "#3"; for tof_s and distance_m also a pattern, "r_{beacon}",
-  /// which stands for one column for each beacon.
+  /// Name of a column, or its number from 1 ("#3"). For tof_s and distance_m it may be a pattern
+  /// ("r_{beacon}") that matches one column for each beacon.
   std::string source;
   std::optional<double> factor = {};
-  std::string beacon = {}, receiver = {};  ///< of a column of one beacon
+  std::string beacon = {}, receiver = {};  ///< names of a column of one beacon
 };
 
 struct TableMapping {
@@ -36,10 +36,10 @@ struct TableMapping {
 /// receiver: distance:A1:front=...). Tables without a header line: "time=#1,distance:A1=#2".
 /// Errors: kUsage, naming the word.
 [[nodiscard]] Result<TableMapping> mapping_from_words(std::string_view words);
-/// The same as a file: octant_columns: 1, columns: {time_s: ..., distance_m: ... or {A1: ...}}, ignore:
-/// [...].
+/// Reads a mapping from a file: octant_columns: 1, columns: {time_s: ..., distance_m: ... or {A1: ...}},
+/// ignore: [...].
 [[nodiscard]] Result<TableMapping> read_mapping(const std::string& path);
-/// The mapping of a table whose header has the names of tof.csv. Returns nothing for other tables.
+/// Mapping of a table whose header has the names of tof.csv; no value for other tables.
 [[nodiscard]] std::optional<TableMapping> mapping_of_header(const std::string& path);
 [[nodiscard]] std::string mapping_to_yaml(const TableMapping& mapping);
 
@@ -47,7 +47,7 @@ struct TableMapping {
 /// are no tables.
 [[nodiscard]] std::string advice_for_table(const std::string& path);
 
-/// What a table became.
+/// Result of converting a table.
 struct ConvertedTable {
   std::string csv;  ///< of tof.csv
   std::size_t rows = 0, ignored = 0, dropped = 0;

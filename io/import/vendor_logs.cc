@@ -19,8 +19,8 @@
 namespace octant::io {
 namespace {
 
-constexpr std::size_t kMostFields = 4096;  ///< of a line
-constexpr int kAnchors = 8;                ///< of the Crazyflie's two-way ranging
+constexpr std::size_t kMostFields = 4096;  ///< bytes of a line
+constexpr int kAnchors = 8;                ///< anchors of the Crazyflie's two-way ranging
 
 std::vector<std::string_view> fields_at(std::string_view line, char delimiter) {
   std::vector<std::string_view> fields;
@@ -37,7 +37,7 @@ bool logged_number(std::string_view text, double& value) {
   return parse_number(text, value) == NumberText::kNumber && std::isfinite(value);
 }
 
-/// Rows of a log go in here: ignored beacons and what was not heard are counted.
+/// Collects the rows of a log; counts ignored beacons and rows without a measurement.
 class VendorRows {
  public:
   VendorRows(const std::string& path, const VendorLogOptions& options) : options_(options) {
@@ -161,7 +161,7 @@ std::size_t groups_of_les(std::string_view payload, std::vector<Dwm1001Group>& g
   return garbled;
 }
 
-/// Where what the module said begins in a line; npos: it is none of the two kinds.
+/// Position in a line at which the output of the module begins; npos: the line is neither of the two kinds.
 std::size_t begin_of_payload(std::string_view line) {
   if (const std::size_t lec = line.find("DIST,"); lec != std::string_view::npos) return lec;
   const std::size_t group = line.find("]=");

@@ -9,7 +9,8 @@
 #include "io/import/imported_log.h"
 #include "models/support/result.h"
 
-// What the kits of a few makers log. Distances in metres; a beacon is called what the kit calls it.
+// Logs of the kits of some manufacturers. Distances are in metres, and beacons have the names that the kit
+// uses.
 namespace octant::io {
 
 struct VendorLogOptions {
@@ -25,17 +26,17 @@ struct VendorLogOptions {
                                                       const VendorLogOptions& options = {});
 
 /// Bitcraze's client for the Crazyflie, CSV: Timestamp [ms] and log variables, of which ranging.distance0 to
-/// ranging.distance7 [m] are the anchors' (two-way ranging); where ranging.state is logged, anchors whose bit
-/// is not set were not heard. The client repeats what it last heard: a distance that is exactly the one
-/// before is no new one. Errors: kBadInput: no such column (a log of time differences says so), cells that
-/// are no numbers.
+/// ranging.distance7 [m] are the distances to the anchors (two-way ranging). If ranging.state is logged,
+/// anchors whose bit is not set were not received. The client repeats the last value, so a distance that is
+/// exactly equal to the one before is not a new one. Errors: kBadInput: no such column (for a log of time
+/// differences the message says so), cells that are not numbers.
 [[nodiscard]] Result<ImportedLog> read_crazyflie_log(const std::string& path,
                                                      const VendorLogOptions& options = {});
 
-/// What a Decawave/Qorvo DWM1001 says on its serial line to `les` or `lec`, one fix a line, whatever terminal
-/// logged it: behind a time in seconds or milliseconds, a date and time, or a time of day; or without, and
-/// options.period_s apart. Groups that the line garbled are left out and counted.
-/// Errors: kBadInput: a line without a time and no period; no line of the two kinds.
+/// Serial output of a Decawave/Qorvo DWM1001 after `les` or `lec`, one fix a line, logged by any terminal:
+/// after a time in seconds or milliseconds, a date and time, or a time of day; or without a time,
+/// options.period_s apart. Garbled groups are left out and counted. Errors: kBadInput: a line without a time
+/// and no period; no line of the two kinds.
 [[nodiscard]] Result<ImportedLog> read_dwm1001_log(const std::string& path,
                                                    const VendorLogOptions& options = {});
 

@@ -63,7 +63,8 @@ std::size_t decimals(std::string_view number) {
   return point == std::string_view::npos ? 0 : number.size() - point - 1;
 }
 
-/// Why a last cell is held to be cut, by those above it in its column; empty where it is not.
+/// Reason why the last cell seems to be truncated, from the cells above it in its column; empty if it does
+/// not.
 std::string why_cut(std::string_view cell, const Cells& above) {
   if (above.size() < kRowsThatTell || std::ranges::find(above, cell) != above.end()) return "";
   Cells numbers;
@@ -101,7 +102,7 @@ std::string_view without_cut_row(std::string_view text, const std::string& file,
   const bool by_blanks = file.ends_with(".tum");
   const Cells last = cells_of_row(row, by_blanks);
   const std::vector<Cells> rows = rows_above(text.substr(0, begin), by_blanks);
-  // The nearest row may be the header: then there is nothing to go on with but this row.
+  // The nearest row may be the header; then only the last row itself can be examined.
   if (rows.empty() || (rows.size() == 1 && !by_blanks)) return text;
 
   std::string why;

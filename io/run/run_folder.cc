@@ -23,7 +23,7 @@ namespace octant::io {
 Result<MeasurementLog> read_run(const std::string& folder, const NameTable& names, const Timing& timing,
                                 const ReadRunOptions& options) {
   RunReader reader(folder, names, timing, options);
-  // In the order in which errors are told: what all rows hang on, the arrivals, the rest.
+  // In the order in which errors are reported: the files on which all rows depend, the arrivals, the others.
   if (auto ok = reader.begin(); !ok) return fail(ok.error());
   if (auto ok = reader.read_arrivals(); !ok) return fail(ok.error());
   if (auto ok = reader.read_others(); !ok) return fail(ok.error());

@@ -20,9 +20,9 @@ inline constexpr std::string_view kRunFiles[] = {"tof.csv",      "bearings.csv",
 struct ReadRunOptions {
   bool read_truth = false;  ///< open truth.tum; only verify does
   bool read_poses = true;   ///< open poses.tum
-  /// Of a medium whose speed is constant: then a column distance_m may stand for tof_s [m/s]. 0: it may not.
+  /// Speed of a medium with constant speed [m/s]; a column distance_m may then replace tof_s. 0: it may not.
   double constant_speed_mps = 0.0;
-  int threads = 1;  ///< that read tof.csv; the result does not depend on it
+  int threads = 1;  ///< threads that read tof.csv; the result does not depend on their number
 };
 
 /// Reads a run folder (contract). Needs at least one of tof.csv, bearings.csv, scans.csv with rows.
@@ -31,8 +31,9 @@ struct ReadRunOptions {
 [[nodiscard]] Result<MeasurementLog> read_run(const std::string& folder, const NameTable& names,
                                               const Timing& timing, const ReadRunOptions& options = {});
 
-/// How good a vehicle's odometry is, without a recording of it: the block `odometry` of a run.yaml, or of
-/// that in a run folder. Error: there is none. @param warnings  of the file, added to
+/// Accuracy of a vehicle's odometry without a recording: the block `odometry` of a run.yaml, or of the one in
+/// a run folder. Error: the block is missing.
+/// @param warnings  warnings about the file are added to it
 [[nodiscard]] Result<OdometryAccuracy> read_odometry_accuracy(const std::string& path,
                                                               std::vector<std::string>& warnings);
 
@@ -43,7 +44,7 @@ struct ReadRunOptions {
 /// Errors: there is no such folder, it may not be read, it is a file.
 [[nodiscard]] Result<void> check_run_folder(const std::string& path);
 
-/// What to say where a folder holds no recording: the recordings right below it, if there are any.
+/// Advice for a folder without a recording: names the recordings in its subfolders, if there are any.
 [[nodiscard]] std::string advice_where_no_run_is(const std::string& folder);
 
 }  // namespace octant::io

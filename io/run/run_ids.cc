@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kMostNames = 10'000;
 
-/// Whether a name comes before another, numbers within them by their value.
+/// Compares names; numbers within them are compared by value.
 struct NaturalOrder {
   using is_transparent = void;
   bool operator()(std::string_view a, std::string_view b) const {
@@ -47,7 +47,7 @@ struct NaturalOrder {
   }
 };
 
-/// Names that differ by more than leading zeros are all kept: the order breaks ties by the text.
+/// Compares names as NaturalOrder, and by their text if they differ only in leading zeros.
 struct NameOrder {
   using is_transparent = void;
   bool operator()(std::string_view a, std::string_view b) const {

@@ -23,8 +23,7 @@
 namespace octant::io {
 namespace {
 
-/// Asks the system for pages of megabytes where there are many of them to come: it hands them out a fifth of
-/// the reading time sooner.
+/// Requests large pages from the system for long lists, which saves a fifth of the time to read a file.
 void prefer_large_pages(void* data, std::size_t bytes) {
   constexpr std::size_t kLarge = std::size_t{1} << 21;
   const auto at = reinterpret_cast<std::uintptr_t>(data);
@@ -55,13 +54,13 @@ std::string RunReader::path(const char* name) const {
 
 Result<void> RunReader::check_folder() const { return check_run_folder(log_.path); }
 
-/// Whether there is such a name. A link that leads nowhere is an error to come, not an absence.
+/// Returns true if the name exists. A broken link exists and leads to an error later.
 bool RunReader::is_there(const std::string& file) const {
   struct stat status {};
   return ::lstat(file.c_str(), &status) == 0 || errno != ENOENT;
 }
 
-/// Content of a file of the folder; nothing if there is none.
+/// Content of a file of the folder; no value if the file does not exist.
 Result<std::optional<RunReader::RunFileText>> RunReader::load(const char* name) {
   const std::string file = path(name);
   if (!is_there(file)) return std::nullopt;

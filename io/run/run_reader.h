@@ -27,20 +27,21 @@ class RunReader {
   [[nodiscard]] Result<void> begin();
   /// All of tof.csv into the log.
   [[nodiscard]] Result<void> read_arrivals();
-  /// Or some of it at a time, in place of what `block` held; false at the end. There may be none in a block.
+  /// Reads the next arrivals of tof.csv and replaces the content of `block`, which may stay empty. False at
+  /// the end.
   [[nodiscard]] Result<bool> next_arrivals(std::vector<Arrival>& block);
-  /// Bearings, scans, odometry, poses, truth. Points measured by hand belong to
-  /// epochs: where the arrivals have not been read yet, one pose stands for them.
+  /// Reads bearings, scans, odometry, poses and truth. Points measured by hand refer to epochs: if the
+  /// arrivals have not been read yet, one pose represents them.
   [[nodiscard]] Result<void> read_others();
-  /// What can be said only when all has been read: whether there is anything to work with.
+  /// Final checks after all files have been read: returns an error if there is no usable data.
   [[nodiscard]] Result<void> finish();
 
-  /// Of the first row that next_arrivals() has not given out.
+  /// Position of the first row that next_arrivals() has not returned.
   [[nodiscard]] TofPosition position() const { return tof_ ? tof_->position() : end_; }
   /// A guess at how many rows tof.csv has, rather too many.
   [[nodiscard]] std::size_t rows_estimate() const { return tof_ ? tof_->rows_estimate() : 0; }
-  /// Puts the arrivals between two positions, at which next_arrivals() has been, behind what `arrivals`
-  /// holds. Any thread.
+  /// Appends the arrivals between two positions that position() returned to `arrivals`. Any thread may call
+  /// it.
   [[nodiscard]] Result<void> read_again(TofPosition from, TofPosition to,
                                         std::vector<Arrival>& arrivals) const;
 

@@ -17,10 +17,10 @@ namespace octant::io {
 class RunReader;
 struct TofPosition;
 
-/// A run folder whose arrivals are too many to be held at once. They come in blocks of some
-/// thousands, in the order of the file, with the same checks as read_run() makes; all else is read when it is
-/// opened. Memory: a block, eight pieces of a quarter of a megabyte a thread, and the rows that are no
-/// measurement (MeasurementLog::rejected).
+/// Reads a run folder whose arrivals do not fit into memory. They are returned in blocks of some thousands,
+/// in the order of the file, with the same checks as in read_run(); the other files are read at the
+/// beginning. Memory: a block, eight pieces of a quarter of a megabyte for each thread, and the rows that are
+/// no measurement (MeasurementLog::rejected).
 ///   auto stream = RunStream::open(folder, names, site.timing, {.threads = 2});
 ///   std::vector<Arrival> block;
 ///   for (;;) {
@@ -40,13 +40,13 @@ class RunStream {
   RunStream& operator=(RunStream&&) noexcept;
   ~RunStream();
 
-  /// Puts the next arrivals in place of what `block` held; there may be none in a block. False at the end.
-  /// Errors: those of the rows; after one there is no more to come.
+  /// Replaces the content of `block` by the next arrivals; the block may be empty. False at the end. Errors:
+  /// those of the rows; after an error the stream has ended.
   [[nodiscard]] Result<bool> next(std::vector<Arrival>& block);
-  /// How many blocks next() has given.
+  /// Number of blocks that next() has returned.
   [[nodiscard]] std::size_t blocks() const;
-  /// Puts the arrivals of blocks [first, last) that next() has given, once more, behind what `arrivals`
-  /// holds. Several threads may do so.
+  /// Appends the arrivals of blocks [first, last) that next() has returned to `arrivals`. Several threads may
+  /// call it.
   [[nodiscard]] Result<void> read_blocks(std::size_t first, std::size_t last,
                                          std::vector<Arrival>& arrivals) const;
 

@@ -117,7 +117,7 @@ double heading_variance(const Fix& fix) {
   return by_body * fix.covariance.block<3, 3>(3, 3) * by_body.transpose();
 }
 
-/// A standard deviation as a field; empty where there is none.
+/// A standard deviation as a field; empty for NaN.
 std::string sigma_field(double variance) { return number_field(std::sqrt(variance)); }
 
 void append_csv(std::string& text, const Fix& fix, const NameTable& names) {

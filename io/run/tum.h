@@ -21,7 +21,7 @@ class ContinuedClock;
 /// @param clock  continues a clock that starts again; without it, a step back is an error
 [[nodiscard]] Result<std::vector<TimedPose>> tum_from_text(std::string_view text, const std::string& file,
                                                            ContinuedClock* clock = nullptr);
-/// The way from each pose to the next, in the frame of the first of the two; the first step has none.
+/// Motion from each pose to the next, in the frame of the first of the two. The first step is zero.
 [[nodiscard]] std::vector<OdometryStep> steps_between(const std::vector<TimedPose>& poses, VehicleId vehicle);
 [[nodiscard]] std::string poses_to_tum(const std::vector<TimedPose>& poses);
 /// The fixes that are ok, as TUM.

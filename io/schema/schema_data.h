@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/: the files of io/schema/data as texts, which octant_embed() puts into the library.
+// Private to io/: the files of io/schema/data as texts, which octant_embed() compiles into the library.
 //
-// Readers, writers and schemas are written apart, on purpose. A key is one line in a reader (its range, its
-// unit and the words of its error are arguments there) and one object in a schema; a table of both would need
-// a function for each key that finds its place, and one for what keys ask of each other (one of two, needs a
-// third), and came out longer. That they agree is a test: tests/io/schema/schema_keys_test.cc.
+// Readers, writers and schemas are separate on purpose. A key is one line in a reader (with its range, its
+// unit and the words of its errors) and one object in a schema. A common table would need one function for
+// each key that accesses its variable and one for the dependencies between keys (one of two, requires a
+// third), and was longer. tests/io/schema/schema_keys_test.cc tests that they agree.
 
 #include <string_view>
 

@@ -58,7 +58,7 @@ Result<void> write_in_place(const std::string& path, std::string_view content) {
   return {};
 }
 
-/// A file that lies complete beside the one that it will replace; gone unless it is kept.
+/// A complete file next to the one that it will replace; removed unless it is kept.
 class StagedFile {
  public:
   StagedFile(std::string path, std::string target) : path_(std::move(path)), target_(std::move(target)) {
@@ -102,7 +102,7 @@ class StagedFile {
 
  private:
   std::string path_, target_, temporary_;
-  Descriptor lock_{-1};  ///< on the staged file, so that nobody takes it for one that was left behind
+  Descriptor lock_{-1};  ///< lock of the staged file, so that no other process removes it as an abandoned one
 };
 
 Result<void> write_to_stdout(std::string_view content) {
@@ -111,11 +111,11 @@ Result<void> write_to_stdout(std::string_view content) {
   return {};
 }
 
-/// How a path is to be written.
+/// Method of writing a path.
 struct Destination {
   enum class Kind { kStdout, kInPlace, kFile } kind = Kind::kFile;
   std::string target;  ///< a link stays a link: what it points to is replaced
-  mode_t mode = 0;     ///< of the file that is there; 0: there is none
+  mode_t mode = 0;     ///< permissions of the existing file; 0: there is no such file
 };
 
 Result<Destination> destination_of(const std::string& path) {

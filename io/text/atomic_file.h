@@ -11,19 +11,18 @@
 
 namespace octant::io {
 
-/// Writes a file whole or not at all: a temporary file beside it, flushed to disk, renamed over it. "-" is
-/// standard output; pipes and devices are written in place. A link keeps pointing where it did, a file keeps
-/// its permissions. What killed processes left beside it under such a temporary name is removed. Errors:
-/// kOutput with the path and the system's reason; the file that was there stays as it was. Folders are not
-/// created.
+/// Writes a file completely or not at all: a temporary file in the same folder, flushed to disk, renamed. "-"
+/// is standard output; pipes and devices are written directly. The target of a link is replaced, and a file
+/// keeps its permissions. Temporary files that killed processes left for this file are removed. Errors:
+/// kOutput with the path and the system's reason; an existing file is unchanged. Folders are not created.
 [[nodiscard]] Result<void> write_file(const std::string& path, std::string_view content);
 
 struct FileContent {
   std::string path, content;
 };
-/// Several files, each as write_file does it, all or none: none is replaced before all of them lie on the
-/// disk. (Only where a rename fails after another went through does one stay; what goes to standard output,
-/// pipes and devices cannot be taken back.)
+/// Writes several files as write_file does, all of them or no file: the first one is replaced after all are
+/// on the disk. (If a rename fails after another succeeded, that one remains. Standard output, pipes and
+/// devices cannot be undone.)
 [[nodiscard]] Result<void> write_files(const std::vector<FileContent>& files);
 
 inline constexpr std::size_t kLargestFile = std::size_t{1} << 30;

@@ -17,7 +17,7 @@ constexpr std::size_t kWindow = std::size_t{1} << 20;
 /// Follows quotes and brackets through a JSON text that comes in pieces.
 class JsonWatch {
  public:
-  /// Offset in the piece of what is too much; the piece's size if nothing is.
+  /// Offset of the first excess in the piece; the size of the piece if there is no excess.
   std::size_t add(std::string_view piece) {
     std::size_t i = 0;
     for (; i < piece.size() && within(); ++i) {

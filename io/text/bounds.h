@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What a text from outside may be before a parser sees it. Whatever is beyond these bounds is refused after
-// reading no more than it takes to know.
+// Limits of texts from outside, checked before parsing. A text beyond them is refused as early as possible.
 
 #include <cstddef>
 #include <string>

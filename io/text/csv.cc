@@ -24,7 +24,7 @@ struct ColumnNames {
   std::vector<std::string_view> others;  ///< lower case; without a unit behind them
 };
 
-/// Whether a column is one that loggers of other programs write for ours; a unit may stand behind its name.
+/// Returns true if loggers of other programs use the name for our column; a unit may follow the name.
 bool may_be_called(std::string_view ours, std::string_view theirs) {
   static const std::vector<ColumnNames> all = {
       {"time_s", {"time", "t", "timestamp", "stamp", "ts", "sec", "secs", "seconds", "date"}},
@@ -214,7 +214,7 @@ std::string CsvReader::renamed_columns() const {
                            fmt::join(guesses, ", "), convert_advice("time=COLUMN,beacon=COLUMN,tof=COLUMN"));
 }
 
-/// How a table of arrivals is read as it is; empty for other files.
+/// Advice for a table of arrivals with other columns; empty for other files.
 std::string CsvReader::convert_advice(std::string_view columns) const {
   if (!file_.ends_with("tof.csv")) return "";
   return fmt::format("; octant convert {} --columns {} -o RUN reads the table as it is", file_, columns);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/: reading CSV (RFC 4180) from a text that is in memory as a whole.
+// Private to io/: reader of CSV (RFC 4180) from a text in memory.
 
 #include <cstdint>
 #include <deque>
@@ -17,13 +17,13 @@
 
 namespace octant::io {
 
-/// Walks over the rows of a CSV text once. Fields are views into the text: nothing is copied unless a field
-/// is in quotes and holds doubled ones. The text must outlive the reader.
+/// Reads the rows of a CSV text once. Fields are views into the text, and only quoted fields with doubled
+/// quotes are copied. The text must outlive the reader.
 ///   CsvReader csv(text, "run/tof.csv");
 ///   const int t = csv.require("time_s");
 ///   while (csv.next_row()) csv.number(t, ...);
 ///   if (csv.error()) ...
-/// The first error sticks; next_row() then returns false.
+/// The first error is kept; next_row() then returns false.
 class CsvReader {
  public:
   /// Reads the header row. Refuses what is not UTF-8, empty files, other separators than the comma, columns
@@ -34,14 +34,14 @@ class CsvReader {
   /// As messages name it.
   [[nodiscard]] const std::string& file() const { return file_; }
   [[nodiscard]] const std::vector<std::string>& header() const { return header_; }
-  /// Index of a column, -1 if there is none; marks it as known.
+  /// Index of a column, -1 if it is missing; marks the column as known.
   int find(std::string_view name);
-  /// The same; its absence is an error, which names all columns that are missing so far and what they may be
-  /// called in this file.
+  /// Index of a required column. If it is missing, the error names all missing columns so far and columns
+  /// that may be meant.
   int require(std::string_view name);
   /// For columns that are known by a pattern of names: the caller has seen this one.
   void mark_known(std::size_t column) { known_[column] = true; }
-  /// Columns that nobody asked for, as one warning.
+  /// One warning about the columns that were not requested.
   [[nodiscard]] std::optional<std::string> unknown_columns() const;
 
   /// Next row that is not blank; false at the end and on error.
@@ -68,9 +68,9 @@ class CsvReader {
   bool number_or_nan(int column, double& value);
   /// A finite number.
   bool number(int column, double& value);
-  /// The same in metres, no more than kLargestLength_m.
+  /// A finite number in metres, at most kLargestLength_m.
   bool length(int column, double& metres);
-  /// Whether the cell's angle is within one turn (NaN is).
+  /// Checks that an angle is within one turn (NaN passes).
   bool check_angle(int column, double angle_rad);
   /// A whole number; "7.0" counts as one.
   bool integer(int column, std::int64_t& value);

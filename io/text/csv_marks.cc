@@ -17,7 +17,7 @@ constexpr std::size_t kBlock = 64;
 constexpr std::uint64_t kNeverZero =
     std::uint64_t{1} << 63;  // spares a branch, and is nobody's first mark but the last byte's
 
-/// What a block of 64 bytes holds: a bit for each mark, and the odd bytes of all blocks so far in `odd`.
+/// Marks of a block of 64 bytes: a bit for each; unusual bytes of all blocks so far are collected in `odd`.
 #ifdef __SSE2__
 struct Odd {
   __m128i quote = _mm_setzero_si128(), nul = _mm_setzero_si128(), high = _mm_setzero_si128();
@@ -79,8 +79,8 @@ void CsvMarks::find(std::string_view text) {
     if (offsets.size() < count + kBlock) offsets.resize(2 * count + 1024);
     std::uint32_t* out = offsets.data() + count;
     count += number_of(marks);
-    // Eight at a time, be they there or not, as a loop over a number of marks that nobody can foresee costs
-    // more (simdjson).
+    // Always writes eight at a time, which is faster than a loop over an unpredictable number of marks
+    // (simdjson).
     for (; marks != 0; out += 8) {
       for (int i = 0; i < 8; ++i, marks &= marks - 1)
         out[i] =

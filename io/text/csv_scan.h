@@ -23,7 +23,7 @@ inline const char* find_separator(const char* p, const char* end) {
   while (end - p >= 8) {
     std::uint64_t word = 0;
     std::memcpy(&word, p, 8);
-    // Of two exact-up-to-the-first masks the lower first bit is exact as well.
+    // Both masks are exact up to their first bit, so the lower first bit is exact.
     const std::uint64_t commas = matches(word, ','), newlines = matches(word, '\n');
     if ((commas | newlines) != 0) return p + std::countr_zero(commas | newlines) / 8;
     p += 8;

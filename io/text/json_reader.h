@@ -28,7 +28,7 @@ namespace octant::io {
 /// Objects with one key a line, arrays of plain values on one line.
 [[nodiscard]] std::string pretty(const nlohmann::ordered_json& json);
 
-/// What reading one document has come to; the first error sticks.
+/// State of reading one document; the first error is kept.
 struct JsonLog {
   std::string file;
   std::string_view text;
@@ -47,7 +47,7 @@ class JsonValue {
   [[nodiscard]] bool is_array() const { return present() && json_->is_array(); }
   /// Member of an object; its absence is an error.
   [[nodiscard]] JsonValue at(const char* key) const;
-  /// The same; absent (or null) is fine: present() is then false.
+  /// Optional member of an object; if it is absent or null, present() returns false.
   [[nodiscard]] JsonValue find(const char* key) const;
   [[nodiscard]] std::vector<JsonValue> items() const;
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// How values stand in JSON, for every document: what is missing as null, a vector as a list of its numbers,
-// changes and contradictions with the same keys everywhere.
+// Representation of values in JSON, for all documents: missing values as null, vectors as lists of numbers,
+// changes and contradictions with the same keys.
 
 #include <array>
 #include <optional>

@@ -53,7 +53,7 @@ std::string advice_for(int reason) {
 }
 
 Result<OpenFile> open_regular(const std::string& path, std::size_t max_bytes) {
-  // Without O_NONBLOCK a pipe that nobody writes to would hang here.
+  // Without O_NONBLOCK, opening a pipe without a writer would block.
   Descriptor fd(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (fd.get() < 0) return read_error(path, errno);
   struct stat status {};

@@ -27,7 +27,7 @@ class Descriptor {
   int fd_;
 };
 
-/// A regular file, open for reading.
+/// A regular file that is open for reading.
 struct OpenFile {
   Descriptor fd;
   std::size_t size;  ///< when it was opened
@@ -37,12 +37,11 @@ struct OpenFile {
 /// Its content; what was there when it was opened, or less if it has become shorter.
 [[nodiscard]] Result<std::string> read_all(const OpenFile& file, const std::string& path);
 
-/// What to do about a system's reason (errno); may be empty.
+/// Advice for a system error (errno); may be empty.
 [[nodiscard]] std::string advice_for(int reason);
 
-/// A regular file, mapped; read into memory where the system cannot map it (empty files, some network file
-/// systems). Nobody may shorten the file meanwhile: what is appended to a log after it was opened is not seen
-/// and does no harm.
+/// A regular file, mapped; read into memory if the system cannot map it (empty files, some network file
+/// systems). The file must not be shortened in the meantime. Data appended after opening are ignored.
 class MappedFile {
  public:
   static constexpr std::size_t kLargest = std::size_t{1} << 40;

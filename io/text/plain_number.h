@@ -17,7 +17,7 @@
 
 namespace octant::io {
 
-/// How far before the end of a number the readers here look: that much must be readable.
+/// Number of bytes before the end of a number that must be readable.
 inline constexpr std::size_t kBeforeNumber = 8;
 
 namespace plain {
@@ -27,7 +27,7 @@ static_assert(std::endian::native == std::endian::little);
 inline constexpr std::array<std::uint64_t, 9> kPowers = {1,      10,      100,      1000,     10000,
                                                          100000, 1000000, 10000000, 100000000};
 inline constexpr std::array<double, 9> kDoublePowers = {1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8};
-/// The last bytes of eight: so many.
+/// Masks of the last n of eight bytes.
 inline constexpr std::array<std::uint64_t, 9> kLast = {0,
                                                        0xFFULL << 56,
                                                        0xFFFFULL << 48,
@@ -45,7 +45,7 @@ inline std::uint64_t bytes_before(const char* end, std::size_t count) {
   return (word ^ 0x3030303030303030ULL) & kLast[count];
 }
 
-/// The number that eight digits make; false if one of the bytes is none.
+/// Number of eight digits; false if one of the bytes is not a digit.
 inline bool join(std::uint64_t bytes, std::uint64_t& value) {
   if ((((bytes + 0x7676767676767676ULL) | bytes) & 0x8080808080808080ULL) != 0) return false;
   // Digits are joined to pairs, fours and eights.
@@ -56,7 +56,7 @@ inline bool join(std::uint64_t bytes, std::uint64_t& value) {
   return true;
 }
 
-/// The same of two times eight digits.
+/// Numbers of two groups of eight digits.
 inline bool join(std::uint64_t first, std::uint64_t second, std::uint64_t& first_value,
                  std::uint64_t& second_value) {
 #ifdef __SSE2__
@@ -78,10 +78,10 @@ inline bool join(std::uint64_t first, std::uint64_t second, std::uint64_t& first
 
 }  // namespace plain
 
-/// Reads [-]digits[.digits] from `begin` to `end`, up to eight digits on each side; false where it is
-/// anything else. Exact: an integer up to 2^53 over a power of ten up to 10^8, both without error, is one
-/// rounded division (Clinger 1990).
-/// @param point  where the point is; `end` if there is none
+/// Reads [-]digits[.digits] from `begin` to `end`, up to eight digits on each side; false for all other text.
+/// The result is exact: an integer up to 2^53 and a power of ten up to 10^8 are exact, so one division rounds
+/// correctly (Clinger 1990).
+/// @param point  position of the point; `end` without a point
 inline bool read_plain_number(const char* begin, const char* point, const char* end, double& value) {
   const bool negative = *begin == '-';
   begin += negative;

@@ -22,7 +22,7 @@
 namespace octant::io {
 namespace {
 
-/// Who staged what has that name; none where it is not staged for the target.
+/// Process that staged a file of that name for the target; no value for other names.
 std::optional<pid_t> stager_of(std::string_view name, std::string_view target) {
   constexpr std::string_view kEnd = ".tmp";
   if (!name.starts_with(target) || !name.ends_with(kEnd) || name.size() < target.size() + kEnd.size())

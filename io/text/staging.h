@@ -7,18 +7,17 @@
 
 namespace octant::io {
 
-/// A name for what will become the target, beside it: TARGET.PID.COUNT.tmp, another one at each call.
+/// A new temporary name next to the target: TARGET.PID.COUNT.tmp, different at each call.
 [[nodiscard]] std::string staging_name(const std::string& target);
 
-/// Removes what processes that were killed left beside a target: files and folders staged for it whose
-/// process is gone and that nobody holds (a process on another machine, or in another container, locks its
-/// own).
+/// Removes files and folders that killed processes staged for a target: those whose process has ended and
+/// that are not locked (processes on other machines or in other containers lock theirs).
 void remove_stale_beside(const std::string& target);
 
 /// A folder that is being made under such a name; gone with its content unless it is kept.
 class StagedFolder {
  public:
-  /// @param path  a folder that is there; it is locked, so that nobody takes it for one that was left behind
+  /// @param path  an existing folder; it is locked, so that no other process removes it as an abandoned one
   explicit StagedFolder(std::filesystem::path path);
   ~StagedFolder();
   StagedFolder(const StagedFolder&) = delete;

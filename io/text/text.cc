@@ -33,7 +33,7 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return d[a.size()][b.size()];
 }
 
-/// Length of the UTF-8 sequence at p; 0 if there is none (Unicode 15, table 3-7).
+/// Length of the UTF-8 sequence at p; 0 if it is invalid (Unicode 15, table 3-7).
 std::size_t sequence_length(const unsigned char* p, std::size_t left) {
   const auto tail = [&](std::size_t i, unsigned char low = 0x80, unsigned char high = 0xBF) {
     return i < left && p[i] >= low && p[i] <= high;

@@ -14,12 +14,11 @@
 
 namespace octant::io {
 
-/// Text as it may stand in a message: in single quotes, control characters replaced, cut after some 40
-/// characters.
+/// Text for a message: in single quotes, without control characters, truncated after some 40 characters.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
-/// "; did you mean ..."-material: what of the candidates the name may have meant, as a sentence: "did you
-/// mean 'B9' or 'B10'?", otherwise "known: B0, B1, ... (12 in all)", otherwise empty.
+/// Names among the candidates that may be meant, as a sentence: "did you mean 'B9' or 'B10'?"; otherwise
+/// "known: B0, B1, ... (12 in all)"; empty without candidates.
 [[nodiscard]] std::string suggestion(std::string_view name, const std::vector<std::string>& candidates);
 
 /// "a, b, c" of at most `most` items, with "... (n in all)" behind.
@@ -36,7 +35,7 @@ std::string_view take_line(std::string_view& text);
 
 /// Shortest decimal text that reads back as the same double.
 [[nodiscard]] std::string exact(double value);
-/// A number as a field of a table; empty where it is none.
+/// A number as a field of a table; empty if it is not finite.
 [[nodiscard]] std::string number_field(double value);
 
 inline constexpr const char* kExpectedLength = "metres, at most 1e9";  ///< kLargestLength_m
@@ -59,7 +58,7 @@ struct TextPosition {
 /// The text without a leading byte-order mark.
 [[nodiscard]] std::string_view without_bom(std::string_view text);
 
-/// Whether all of it is UTF-8 without a NUL.
+/// Returns true if the text is UTF-8 without a NUL.
 [[nodiscard]] bool is_utf8(std::string_view text);
 
 /// Errors: kBadInput with line and column where the text is not UTF-8 or holds a NUL.

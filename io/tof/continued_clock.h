@@ -27,7 +27,7 @@ class ContinuedClock {
 
   [[nodiscard]] double offset_s() const { return offset_s_; }  ///< added to the times at present
   [[nodiscard]] double period_s() const { return period_s_; }  ///< 0: the clock has not started again
-  /// One sentence about the restarts of a file; nothing where there were none.
+  /// One sentence about the restarts of a file; no value without restarts.
   [[nodiscard]] std::optional<std::string> note(const std::string& file) const;
 
  private:
@@ -45,12 +45,12 @@ struct ClockPeriod {
 };
 [[nodiscard]] std::optional<ClockPeriod> restarted_clock(double from_s, double to_s);
 
-/// Recognises times in milliseconds, microseconds or nanoseconds by their steps: whole numbers over more than
-/// a day, most steps of which are longer than devices wait between two measurements.
+/// Recognises times in milliseconds, microseconds or nanoseconds: whole numbers over more than a day, most
+/// steps of which are longer than the usual time between two measurements of a device.
 class TimeUnitCheck {
  public:
   void add(double time_s);
-  /// One sentence that names the unit; nothing where the times may be seconds.
+  /// One sentence that names the unit; no value if the times may be seconds.
   [[nodiscard]] std::optional<std::string> note(const std::string& file) const;
 
  private:

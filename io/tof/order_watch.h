@@ -21,7 +21,7 @@ class OrderWatch {
  public:
   OrderWatch(std::size_t vehicles, int time_column, int epoch_column);
 
-  // Next value; false, and nothing changes, where it is out of order.
+  // Next value; false, without a change of state, if it is out of order.
   [[nodiscard]] bool advance_time(double time_s) {
     if (time_s < times_.last_time_s) return false;
     times_.last_time_s = time_s;
@@ -34,7 +34,7 @@ class OrderWatch {
   /// Checks the time of a row of a file. A clock that starts again is continued, in `time_s`.
   /// Returns false after logging an error at the column.
   bool time(CsvReader& csv, double& time_s);
-  /// The same check for the epoch of a row.
+  /// Checks the epoch of a row of a file; false after logging an error at the column.
   bool epoch(CsvReader& csv, VehicleId vehicle, std::int64_t epoch);
 
   /// Times of the rows so far, with which another watch goes on.

@@ -20,7 +20,7 @@ class RepeatedRows {
   [[nodiscard]] std::vector<int> drop(std::vector<Arrival>& all, std::size_t first);
 
  private:
-  std::vector<Arrival> latest_;  ///< those seen so far at the latest time
+  std::vector<Arrival> latest_;  ///< arrivals of the latest time so far
 };
 
 }  // namespace octant::io

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/: the files of a run folder, one function each; run_folder.cc puts them together.
+// Private to io/: the files of a run folder, one function each; run_folder.cc combines them.
 
 #include <cstdint>
 #include <string>
@@ -21,11 +21,11 @@ class NameLookup {
  public:
   explicit NameLookup(const NameTable& names);
 
-  /// Vehicle of rows that name none: run.yaml's, else "robot", else the only one; not valid() if there are
+  /// Vehicle of rows without a name: run.yaml's, else "robot", else the only one; not valid() if there are
   /// several.
   VehicleId default_vehicle;
 
-  // Not valid() if unknown; an empty name stands for the default, or for the only one.
+  // Id of a name, not valid() if unknown. An empty name means the default, or the only one.
   [[nodiscard]] BeaconId beacon(std::string_view name) const { return BeaconId(beacons_.find(name)); }
   [[nodiscard]] VehicleId vehicle(std::string_view name) const {
     return name.empty() ? default_vehicle : VehicleId(vehicles_.find(name));
@@ -37,7 +37,7 @@ class NameLookup {
     return found < 0 ? ReceiverId() : known.ids[static_cast<std::size_t>(found)];
   }
 
-  // The same of a row's cells; false after logging an error at the column.
+  // Reads the name in a cell of the current row; false after logging an error at the column.
   bool beacon(CsvReader& csv, int column, BeaconId& id) const;
   bool vehicle(CsvReader& csv, int column, VehicleId& id) const;
   bool receiver(CsvReader& csv, int column, VehicleId vehicle, ReceiverId& id) const;
@@ -56,7 +56,7 @@ class NameLookup {
   std::vector<Receivers> receivers_;  // by vehicle
 };
 
-/// What run.yaml says beside what goes into the log.
+/// Content of run.yaml that is not stored in the log.
 struct RunHeader {
   std::string vehicle;  ///< empty: not named
   double range_max_m;   ///< infinite: not given

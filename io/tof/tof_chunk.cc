@@ -15,7 +15,7 @@ namespace octant::io {
 
 namespace {
 
-/// What read_plain_number() leaves: blanks, exponents, nan, nothing at all.
+/// Numbers that read_plain_number() does not handle: blanks, exponents, nan, empty cells.
 [[gnu::noinline]] bool read_odd_number(std::string_view text, double& value) {
   const NumberText kind = parse_number(text, value);
   if (kind == NumberText::kEmpty) value = std::numeric_limits<double>::quiet_NaN();
@@ -32,8 +32,8 @@ struct TofChunkParser::Cursor {
   const char* point;           // its first one, or its end
   const char* end;             // the comma or newline behind it
 
-  /// The cell that begins behind the last one's end. The chunk's last mark is a newline, so that it is safe
-  /// while *end is none.
+  /// Moves to the next cell. The last mark of the chunk is a newline, so this is safe while *end is not a
+  /// newline.
   void next() {
     begin = end + 1;
     point = end = text + *marks++;
@@ -89,7 +89,7 @@ TofChunkParser::TofChunkParser(std::size_t columns_in_file, const TofColumns& co
   }
 }
 
-/// Reads one line; false where it cannot settle what is there.
+/// Reads one line; false if the general method must read it.
 [[gnu::always_inline]] inline bool TofChunkParser::parse_row(Cursor& cursor, TofChunk& out) {
   cursor.next();
   if (*cursor.end == '\n') return cursor.blank();  // a blank line is no row; a row has several cells
@@ -131,7 +131,7 @@ TofChunkParser::TofChunkParser(std::size_t columns_in_file, const TofColumns& co
   return false;
 }
 
-/// What a row says as a whole: ids, order, whether it is a measurement.
+/// Completes a row: ids, order, and the check for measurements.
 inline bool TofChunkParser::settle(const Row& row, Arrival& arrival, TofChunk& out) {
   if (out.rows == 0) out.first_time_s = arrival.time_s;
   if (out.rows > 0 && arrival.time_s < out.last_time_s) return false;

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/: the fast way through a piece of tof.csv. It settles what nearly all files hold, and
-// otherwise says that it cannot.
+// Private to io/: fast parser of a piece of tof.csv. It reads the usual rows, and reports all others as not
+// regular.
 
 #include <cstddef>
 #include <cstdint>
@@ -28,16 +28,16 @@ struct TofChunk {
     VehicleId vehicle;
     std::int64_t epoch;
   };
-  /// All rows were read. If not, the others mean nothing: something is wrong, or odd (quotes), and
-  /// read_tof_row() must look.
+  /// All rows were read. Otherwise the other members are invalid, because of an error or an unusual form
+  /// (quotes), and read_tof_row() must read the piece.
   bool regular = false;
   std::vector<Arrival> arrivals;  ///< behind those that were there before
   std::vector<RefusedRow> refused;
   std::vector<EpochBegin> epochs;  ///< each time a vehicle's epoch differs from that of its row before
   std::size_t rows = 0;            ///< refused ones included
   int lines = 0;
-  double first_time_s = 0.0, last_time_s = 0.0;  ///< of all rows, between which time does not decrease
-  std::string copy;                              ///< of a piece that lacks its last newline
+  double first_time_s = 0.0, last_time_s = 0.0;  ///< first and last time of all rows, which do not decrease
+  std::string copy;                              ///< copy of a piece without a final newline
 };
 
 /// Reads pieces of one file; each thread has one of its own.

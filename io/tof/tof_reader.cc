@@ -50,7 +50,7 @@ Result<void> TofReader::read_header() {
   return {};
 }
 
-/// That the text is UTF-8, without having all of it in memory at a time.
+/// Checks that the text is UTF-8 without loading all of it into memory.
 Result<void> TofReader::check_text() const {
   if (options_.from) return {};
   for (std::size_t begin = 0, end = 0; begin < text_.size(); begin = end) {
@@ -65,7 +65,7 @@ Result<void> TofReader::check_text() const {
   return {};
 }
 
-/// That the text is none comes before all else that is wrong with it.
+/// Returns the error of a text that is not UTF-8 if there is one, as it precedes all other errors.
 Error TofReader::text_error(const Error& otherwise) const {
   const auto ok = check_text();
   return ok ? otherwise : ok.error();
@@ -89,7 +89,7 @@ void TofReader::start() {
   parsers_.assign(chunks_.size(), TofChunkParser(csv_.header().size(), *columns_, names_, clock_));
 }
 
-/// Parses the next pieces, as many as there are places for them, and digests their text beside.
+/// Parses the next pieces, up to the size of the window, and computes the digest of their text in parallel.
 void TofReader::parse_window() {
   const std::size_t count = std::min(chunks_.size(), pieces_ - piece_);
   for_each_parallel(count + 1, options_.threads, [&](std::size_t i) {
@@ -124,7 +124,7 @@ Result<bool> TofReader::append(std::vector<Arrival>& all) {
 Result<bool> TofReader::append_as_written(std::vector<Arrival>& all) {
   if (general_) return next_rows(all);
   if (piece_ == pieces_) return false;
-  // A piece at a time is put where its rows are to stay.
+  // A single piece is parsed directly into its final place.
   const bool alone = chunks_.size() == 1;
   const std::size_t first = alone ? all.size() : 0, slot = piece_ % chunks_.size();
   if (alone) chunks_[0].arrivals.swap(all);
@@ -151,8 +151,8 @@ Result<bool> TofReader::append_as_written(std::vector<Arrival>& all) {
   return next_rows(all);
 }
 
-/// Takes over what a piece holds, its arrivals from the first on; false where the general way must look at
-/// it.
+/// Adds the content of a piece, its arrivals from the first on; false if the general method must read the
+/// piece.
 bool TofReader::take(TofChunk& chunk, std::size_t first) {
   if (!chunk.regular) return false;
   if (chunk.rows > 0 &&
@@ -190,7 +190,7 @@ Result<bool> TofReader::next_rows(std::vector<Arrival>& block) {
   return block.size() > first;
 }
 
-/// What is wrong with the order of the rows, by reading them from the beginning.
+/// First error in the order of the rows, found by reading the file from its beginning.
 Error TofReader::first_error() const {
   CsvReader csv(text_, file_, true);
   const TofColumns columns(csv, options_.distance);

@@ -29,18 +29,18 @@ struct TofReaderOptions {
   std::size_t chunk_bytes =
       std::size_t{1} << 17;  ///< a piece that a thread parses at once; with its rows it stays in its cache
   bool general_way = false;  ///< row by row from the beginning: what all else is measured against
-  /// Only the rows from here, of a file that has been read as a whole before: what can be said of the file
-  /// alone (text, digest) is not looked at again.
+  /// Reads only the rows from this position of a file that has been read before; text and digest are not
+  /// checked again.
   std::optional<TofPosition> from = {};
   /// The rows up to an offset at which one begins (or the end); the digest is of the whole file all the same.
   std::size_t to = std::string_view::npos;
   DistanceAsTime distance = {};
 };
 
-/// Reads tof.csv piece by piece: TofChunkParser takes some pieces at a time, on several threads, and what
-/// goes beyond a piece (time, epochs, lines, refusals, the digest) is followed here in the order of the file.
-/// The first piece that the parser cannot settle, and all behind it, are read row by row by read_tof_row().
-/// What comes out does not depend on threads or pieces.
+/// Reads tof.csv in pieces. Several TofChunkParser parse pieces on several threads, and this class checks in
+/// the order of the file what concerns more than a piece: time, epochs, lines, refusals, the digest. From the
+/// first piece that the parser cannot read, read_tof_row() reads row by row. The result does not depend on
+/// the number of threads or pieces.
 class TofReader {
  public:
   /// @param file   as messages name it
@@ -56,12 +56,12 @@ class TofReader {
   /// A guess at how many rows there are, rather too many.
   [[nodiscard]] std::size_t rows_estimate() const;
 
-  /// Puts the arrivals of some more rows, in the order of the file, behind what `all` holds: a piece's, or
-  /// some thousands; there may be none where rows were refused. False at the end. Errors: those of the
-  /// rows; the rows before have been given out then.
+  /// Appends the arrivals of the next rows, in the order of the file, to `all`: those of a piece, or some
+  /// thousands. No arrival may be added if rows were refused. False at the end. Errors: those of the rows;
+  /// the rows before the error are in `all`.
   [[nodiscard]] Result<bool> append(std::vector<Arrival>& all);
 
-  /// Of the first row that has not been given out.
+  /// Position of the first row that has not been returned.
   [[nodiscard]] TofPosition position() const {
     return general_ ? TofPosition{csv_.offset(), csv_.next_line(), order_->times()}
                     : TofPosition{offset_, line_, order_->times()};
@@ -70,7 +70,7 @@ class TofReader {
   /// The clock of the rows so far, on which a restart is continued.
   [[nodiscard]] const ContinuedClock& clock() const { return order_->times().restarts; }
   [[nodiscard]] TofRefusals& refusals() { return refusals_; }
-  /// Of the file as a whole; at the end.
+  /// Warnings about the whole file, at the end.
   [[nodiscard]] std::vector<std::string> warnings() const;
   /// Digest of the file; at the end.
   [[nodiscard]] std::string sha256();

@@ -37,7 +37,7 @@ bool read_temperature(CsvReader& csv, int column, double& temperature_degC) {
                      "degrees Celsius from -100 to 100 (20 degC are 293 K)");
 }
 
-/// Whether distance_m stands for tof_s; an error where it would have to and no speed is known.
+/// Returns true if distance_m replaces tof_s; an error if it has to and the speed is not known.
 bool has_distance(CsvReader& csv, const DistanceAsTime& as_time) {
   const auto has = [&csv](const char* name) {
     return std::ranges::find(csv.header(), name) != csv.header().end();

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/: what a row of tof.csv says, and the general way of reading one, which knows all that is odd
-// and says what is wrong.
+// Private to io/: the content of a row of tof.csv, and the general method of reading one. It handles all
+// unusual forms and describes errors.
 
 #include <array>
 #include <cmath>
@@ -20,13 +20,13 @@
 
 namespace octant::io {
 
-/// How distances become times of flight: tof_s = per_m_s distance_m + offset_s. Zero: nothing says at which
-/// speed.
+/// Conversion of distances to times of flight: tof_s = per_m_s distance_m + offset_s. Zero: the speed is not
+/// known.
 struct DistanceAsTime {
   double per_m_s = 0.0, offset_s = 0.0;
 };
 
-/// Columns of tof.csv by name, -1 where there is none.
+/// Columns of tof.csv by name, -1 if missing.
 struct TofColumns {
   int time, beacon;
   bool distance;  ///< `tof` is distance_m, in metres
@@ -34,7 +34,7 @@ struct TofColumns {
   TofColumns(CsvReader& csv, const DistanceAsTime& distance);
 };
 
-/// Amplitude [V], NaN where the logged one is none: not positive, not finite.
+/// Amplitude [V]; NaN if the logged value is not positive and finite.
 [[nodiscard]] inline double usable_amplitude(double amplitude_v) {
   return amplitude_v > 0.0 && !std::isinf(amplitude_v) ? amplitude_v
                                                        : std::numeric_limits<double>::quiet_NaN();
@@ -56,12 +56,11 @@ enum class Refusal { kNone, kEmpty, kNotANumber, kNotPositive, kTooLarge, kRepea
   return tof_s > 0.0 || clock == Clock::kCycleOffset ? Refusal::kNone : Refusal::kNotPositive;
 }
 
-/// Rows that are no measurement, or none of their own: all of them with their reason, and one warning of each
-/// reason.
+/// Rows that are no measurement of their own, each with its reason, and one warning for each reason.
 class TofRefusals {
  public:
   void add(Refusal refusal, int line, std::string_view text);
-  /// Those since the last call, by line: repeated rows are found after the others of their piece.
+  /// Refused rows since the last call, by line: repeated rows are found after the others of their piece.
   [[nodiscard]] std::vector<RejectedRow> take();
   void warn(const std::string& file, std::vector<std::string>& warnings) const;
 

@@ -20,7 +20,8 @@ struct YamlDocument {
     YamlNode::Kind kind = YamlNode::Kind::kNull;
     bool odd = false;  ///< a scalar: not plain; a list or mapping: in brackets
     std::uint32_t line = 0, column = 0;
-    std::uint32_t first = 0, count = 0;  ///< of texts or of children; keys and values of a mapping alternate
+    std::uint32_t first = 0,
+                  count = 0;  ///< range of texts or of children; keys and values of a mapping alternate
   };
   std::vector<Item> items;
   std::vector<std::uint32_t> children;
@@ -31,7 +32,7 @@ namespace {
 
 constexpr int kMostDirectives = 100;  // libyaml compares each with all before it
 
-/// Line up to the given one, and near to it, that is indented with a tab; 0: none.
+/// Line up to the given one, and near it, that is indented with a tab; 0: no such line.
 int tab_in_indentation(std::string_view text, int wrong_line) {
   constexpr int kNear = 3;
   int line = 1, found = 0;
@@ -44,7 +45,7 @@ int tab_in_indentation(std::string_view text, int wrong_line) {
   return found;
 }
 
-/// Line of the directive (%...) that is one too many; 0: none is.
+/// Line of a surplus directive (%...); 0: no such line.
 int too_many_directives(std::string_view text) {
   int line = 1, count = 0;
   for (std::size_t begin = 0; begin < text.size(); ++line) {
@@ -95,7 +96,7 @@ class YamlBuilder {
  private:
   struct Anchor {
     std::uint32_t index = 0;
-    std::size_t values = 0;  ///< that an alias stands for
+    std::size_t values = 0;  ///< number of values of an alias
     bool open = true;        ///< its end has not come yet
   };
   struct Open {
@@ -122,7 +123,7 @@ class YamlBuilder {
     }
   }
 
-  /// A value begins; nothing on error.
+  /// Begins a value; no value on error.
   YamlDocument::Item* begin(const yaml_event_t& event, YamlNode::Kind kind) {
     if (documents_ > 1) {
       bad(event.start_mark, "a second document", "one YAML document");

@@ -15,13 +15,13 @@
 
 namespace octant::io {
 
-inline constexpr std::size_t kMostYamlValues = 1'000'000;  ///< each alias for all it stands for
+inline constexpr std::size_t kMostYamlValues = 1'000'000;  ///< an alias counts as all its values
 inline constexpr std::size_t kDeepestYaml = 64;            ///< brackets and indentation
 
 struct YamlDocument;
 
-/// A value of a document, or none (default): cheap to copy, keeps the document alive. Aliases are the value
-/// that they name.
+/// A value of a document, or an undefined value (default). It is cheap to copy and keeps the document alive.
+/// Aliases are resolved.
 class YamlNode {
  public:
   enum class Kind : std::uint8_t { kUndefined, kNull, kScalar, kSequence, kMap };
@@ -32,7 +32,7 @@ class YamlNode {
 
   [[nodiscard]] Kind kind() const;
   [[nodiscard]] bool is_defined() const { return document_ != nullptr; }
-  [[nodiscard]] bool is_null() const { return kind() == Kind::kNull; }  ///< nothing, ~ or null
+  [[nodiscard]] bool is_null() const { return kind() == Kind::kNull; }  ///< empty, ~ or null
   [[nodiscard]] bool is_scalar() const { return kind() == Kind::kScalar; }
   [[nodiscard]] bool is_sequence() const { return kind() == Kind::kSequence; }
   [[nodiscard]] bool is_map() const { return kind() == Kind::kMap; }
@@ -49,10 +49,10 @@ class YamlNode {
   [[nodiscard]] std::string_view scalar() const;
   /// Items of a list or keys of a mapping.
   [[nodiscard]] std::size_t size() const;
-  [[nodiscard]] YamlNode item(std::size_t i) const;   ///< of a list
-  [[nodiscard]] YamlNode key(std::size_t i) const;    ///< of a mapping
-  [[nodiscard]] YamlNode value(std::size_t i) const;  ///< of a mapping
-  /// Value of the first such key, item of an index; none if there is none.
+  [[nodiscard]] YamlNode item(std::size_t i) const;   ///< item of a list
+  [[nodiscard]] YamlNode key(std::size_t i) const;    ///< key of a mapping
+  [[nodiscard]] YamlNode value(std::size_t i) const;  ///< value of a mapping
+  /// Value of the first such key, or item of an index; undefined if it is missing.
   [[nodiscard]] YamlNode operator[](std::string_view key) const;
   [[nodiscard]] YamlNode operator[](int index) const;
 
@@ -67,7 +67,7 @@ class YamlNode {
 /// larger, deeper or of more values than the bounds above, an alias within what it names.
 [[nodiscard]] Result<YamlNode> parse_yaml(std::string_view text, const std::string& file);
 
-/// The same of a file, of which no more than kLargestYaml is read. Errors: those of read_file() too.
+/// Reads a YAML file of at most kLargestYaml. Errors: those of parse_yaml() and of read_file().
 [[nodiscard]] Result<YamlNode> read_yaml(const std::string& path);
 
 }  // namespace octant::io

@@ -267,7 +267,7 @@ void YamlMap::finish() {
   for (const KeyValue& entry : entries_) {
     if (entry.known) continue;
     const std::string hint = suggestion(entry.key, asked_);
-    // What looks like a place in another spelling would be lost; without it the file means something else.
+    // Unknown keys that resemble a position would be lost, and the file would have another meaning.
     if (hint == "did you mean 'position_m'?" && !has("position_m")) {
       log_.fail(entry.key_node, fmt::format("unknown key {}", in_quotes(path(entry.key))),
                 "position_m for a place", hint);

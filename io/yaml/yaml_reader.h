@@ -19,8 +19,8 @@
 
 namespace octant::io {
 
-/// What reading one YAML file has come to. The first error sticks: getters go on with fallback values, and
-/// the caller looks at `error` once, at the end. So readers stay a list of keys.
+/// State of reading one YAML file. The first error is kept: getters continue with fallback values, and the
+/// caller checks `error` once at the end. Readers are therefore lists of keys.
 struct YamlLog {
   std::string file;
   std::optional<Error> error;
@@ -60,15 +60,13 @@ template <int N>
   return points;
 }
 
-/// A mapping and its keys. Each getter marks its key as known; finish() warns about the others.
-/// A key whose value is null counts as absent for blocks and lists; a scalar with a null value is an error.
-/// @code
-///   YamlMap path(root.block("path"), "path", log);       // undefined node where the block is absent: all
-///   getters fall back scenario.path.epochs = path.integer("epochs", 120, 1, 10'000'000);
+/// A mapping and its keys. Each getter marks its key as known; finish() warns about the others. A key whose
+/// value is null counts as absent for blocks and lists; a scalar with a null value is an error.
+///   YamlMap path(root.block("path"), "path", log);  // an absent block is undefined: all getters fall back
+///   scenario.path.epochs = path.integer("epochs", 120, 1, 10'000'000);
 ///   scenario.path.speed_mps = path.number("speed_mps", 0.6, kPositive);
-///   scenario.path.kind = path.choice<PathKind>("kind", {{"stops", PathKind::kStops}, ...},
-///   PathKind::kStops); path.finish(); if (log.error) return fail(*log.error);
-/// @endcode
+///   path.finish();
+///   if (log.error) return fail(*log.error);
 class YamlMap {
  public:
   YamlMap(const YamlNode& node, std::string name, YamlLog& log);
@@ -81,7 +79,7 @@ class YamlMap {
 
   /// Value of a key, undefined node if absent; marks the key as known.
   YamlNode get(std::string_view key);
-  /// The same, undefined if null as well: for blocks and lists.
+  /// Block or list of a key; undefined if the key is absent or null.
   YamlNode block(std::string_view key);
 
   // Values; absent keys give the fallback, a null is an error.
@@ -95,7 +93,8 @@ class YamlMap {
   /// Items of a list; empty where it is absent.
   std::vector<YamlNode> list(std::string_view key);
   std::vector<double> numbers(std::string_view key, std::size_t size, NumberRange range = kAnyNumber);
-  /// The mappings of a list, each by read(map, item) put behind those of `items`, to the first error.
+  /// Reads the mappings of a list with read(map, item) and appends the items to `items`, until the first
+  /// error.
   template <class Item, class Read>
   void each(std::string_view key, std::vector<Item>& items, const Read& read) {
     const std::vector<YamlNode> nodes = list(key);
@@ -131,7 +130,7 @@ class YamlMap {
 
   void fail(std::string_view key, std::string found, std::string expected, std::string advice = "");
   void fail_missing(std::string_view key, const std::string& expected);
-  /// Warns about keys nobody asked for, with what they may have meant.
+  /// Warns about unknown keys, with suggestions.
   void finish();
 
  private:
@@ -157,8 +156,8 @@ class YamlMap {
 /// The `version_key: 1` at the head of a file. Errors: missing, or another version, with the line.
 void check_version(YamlMap& root, std::string_view version_key, YamlLog& log);
 
-/// A file of ours: after its version read(root, log, content). Keys that nobody asked for are warnings, where
-/// the content has any.
+/// Reads a file of an Octant format: checks its version, then calls read(root, log, content). Unknown keys
+/// are warnings, if the content has any.
 template <class Content, class Read>
 [[nodiscard]] Result<Content> read_yaml_content(const std::string& path, std::string_view version_key,
                                                 const Read& read) {

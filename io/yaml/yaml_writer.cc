@@ -112,8 +112,8 @@ bool is_plain_scalar(std::string_view text) {
   return std::ranges::find(kWords, lower_case(text)) == std::end(kWords);
 }
 
-/// Characters beyond ASCII that YAML takes for the end of a line, or does not allow as they are
-/// (YAML 1.1, 5.1 and 5.4), with what stands for them in double quotes.
+/// Characters beyond ASCII that are line ends in YAML, or are not allowed (YAML 1.1, 5.1 and 5.4), with their
+/// escapes in double quotes.
 struct OddCharacter {
   std::string_view bytes, escape;
 };
