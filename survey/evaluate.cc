@@ -7,6 +7,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "models/localizers/common/open_attitude.h"
+
 namespace octant::survey {
 namespace {
 
@@ -68,8 +70,7 @@ ErrorOfFix error_of(const Pose& fix, const Pose& truth, const PoseAccuracy& accu
 
 /// A fix in space whose attitude was not estimated says so by the variance of a uniform angle.
 bool has_rotation(const Fix& fix, Motion motion) {
-  return motion == Motion::kPlanar ||
-         fix.covariance.diagonal().tail<3>().minCoeff() < 0.99 * kUnknownRotationVariance;
+  return motion == Motion::kPlanar || !has_open_attitude(fix);
 }
 
 /// Squared Mahalanobis distance over its degrees of freedom; of the position only if the reference or the fix
@@ -97,31 +98,108 @@ double quantile(const std::vector<double>& values, double q) {
 }
 
 struct ErrorSums {
-  std::vector<double> position_m;
+  std::vector<double> position_m, horizontal_m, vertical_m;
   double heading_rad2 = 0.0, nees = 0.0;
   std::size_t headings = 0, nees_count = 0;
+  std::size_t reference_poses = 0, covered = 0;
+
+  void add(const ErrorSums& other) {
+    for (auto list : {&ErrorSums::position_m, &ErrorSums::horizontal_m, &ErrorSums::vertical_m})
+      (this->*list).insert((this->*list).end(), (other.*list).begin(), (other.*list).end());
+    heading_rad2 += other.heading_rad2;
+    nees += other.nees;
+    headings += other.headings;
+    nees_count += other.nees_count;
+    reference_poses += other.reference_poses;
+    covered += other.covered;
+  }
+  [[nodiscard]] double coverage() const { return share(covered, reference_poses); }
+  static double share(std::size_t part, std::size_t all) {
+    return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : 0.0;
+  }
 };
 
-void add_run(const ReferencedRun& run, Motion motion, Evaluation& result, ErrorSums& sums) {
-  for (const Fix& fix : run.fixes) {
-    if (!fix.ok()) {
-      ++result.no_fix;
-      continue;
-    }
-    ++result.fixes;
-    const auto truth = reference_at(run.truth, fix.time_s, run.truth_accuracy.max_gap_s);
-    if (!truth) continue;
-    const ErrorOfFix error = error_of(fix.T_map_vehicle, *truth, run.truth_accuracy, motion);
-    sums.position_m.push_back(error.position_m);
-    if (run.truth_accuracy.heading_known && has_rotation(fix, motion)) {
-      sums.heading_rad2 += error.heading_rad * error.heading_rad;
-      ++sums.headings;
-    }
-    if (const auto nees = nees_over_dof(fix, error, run.truth_accuracy.heading_known, motion)) {
-      sums.nees += *nees;
-      ++sums.nees_count;
-    }
+/// Fixes whose attitude is open are compared at the point that they locate, where the reference has an
+/// attitude. Else its unknown place about that point stays in their covariance.
+void compare_where_located(const ReferencedRun& run, Fix& fix, Pose& truth) {
+  if (!has_open_attitude(fix) || !run.truth_accuracy.heading_known) return;
+  truth.translation_m = truth * run.p_located_vehicle_m;
+  fix.covariance.diagonal().head<3>().array() -= open_attitude_variance_m2(run.p_located_vehicle_m);
+}
+
+void add_error(const ReferencedRun& run, Fix fix, Pose truth, Motion motion, ErrorSums& sums) {
+  compare_where_located(run, fix, truth);
+  const ErrorOfFix error = error_of(fix.T_map_vehicle, truth, run.truth_accuracy, motion);
+  const Eigen::Vector3d off_m = fix.T_map_vehicle.translation_m - truth.translation_m;
+  sums.position_m.push_back(error.position_m);
+  sums.horizontal_m.push_back(off_m.head<2>().norm());
+  sums.vertical_m.push_back(std::abs(off_m.z()));
+  if (run.truth_accuracy.heading_known && has_rotation(fix, motion)) {
+    sums.heading_rad2 += error.heading_rad * error.heading_rad;
+    ++sums.headings;
   }
+  if (const auto nees = nees_over_dof(fix, error, run.truth_accuracy.heading_known, motion)) {
+    sums.nees += *nees;
+    ++sums.nees_count;
+  }
+}
+
+/// How many poses of the reference have a fix within its largest gap.
+std::size_t covered_poses(const ReferencedRun& run) {
+  std::vector<double> times_s;
+  for (const Fix& fix : run.fixes)
+    if (fix.ok()) times_s.push_back(fix.time_s);
+  std::ranges::sort(times_s);
+  return static_cast<std::size_t>(std::ranges::count_if(run.truth, [&](const TimedPose& pose) {
+    const double gap_s = run.truth_accuracy.max_gap_s;
+    const auto next = std::ranges::lower_bound(times_s, pose.time_s - gap_s);
+    return next != times_s.end() && *next <= pose.time_s + gap_s;
+  }));
+}
+
+/// @param sums  sorted on return
+ErrorFigures figures_of(ErrorSums& sums, Motion motion) {
+  ErrorFigures figures;
+  if (sums.position_m.empty()) return figures;
+  double squares_m2 = 0.0, sum_m = 0.0;
+  for (const double error_m : sums.position_m) {
+    squares_m2 += error_m * error_m;
+    sum_m += error_m;
+  }
+  const auto count = static_cast<double>(sums.position_m.size());
+  figures.mean_m = sum_m / count;
+  figures.rmse_m = std::sqrt(squares_m2 / count);
+  std::ranges::sort(sums.position_m);
+  std::ranges::sort(sums.horizontal_m);
+  std::ranges::sort(sums.vertical_m);
+  figures.ce50_m = quantile(sums.horizontal_m, 0.5);
+  figures.ce95_m = quantile(sums.horizontal_m, 0.95);
+  if (motion == Motion::kSpatial) {
+    figures.ve95_m = quantile(sums.vertical_m, 0.95);
+    figures.se95_m = quantile(sums.position_m, 0.95);
+  }
+  return figures;
+}
+
+void add_run(const ReferencedRun& run, Motion motion, Evaluation& result, ErrorSums& all) {
+  RunFigures& figures = result.runs.emplace_back();
+  figures.name = run.name;
+  ErrorSums sums;
+  for (const Fix& fix : run.fixes) {
+    ++(fix.ok() ? figures.fixes : figures.no_fix);
+    if (!fix.ok()) continue;
+    if (const auto truth = reference_at(run.truth, fix.time_s, run.truth_accuracy.max_gap_s))
+      add_error(run, fix, *truth, motion, sums);
+  }
+  sums.reference_poses = run.truth.size();
+  sums.covered = covered_poses(run);
+  all.add(sums);
+  figures.matched = sums.position_m.size();
+  figures.errors = figures_of(sums, motion);
+  figures.availability = ErrorSums::share(figures.fixes, figures.fixes + figures.no_fix);
+  figures.coverage = sums.coverage();
+  result.fixes += figures.fixes;
+  result.no_fix += figures.no_fix;
 }
 
 }  // namespace
@@ -140,14 +218,14 @@ Evaluation evaluate(const std::vector<ReferencedRun>& runs, Motion motion, const
   ErrorSums sums;
   for (const ReferencedRun& run : runs) add_run(run, motion, result, sums);
   result.matched = sums.position_m.size();
+  result.availability = ErrorSums::share(result.fixes, result.fixes + result.no_fix);
+  result.coverage = sums.coverage();
   if (result.matched == 0) {
     result.gates.push_back({"matched", 1.0, 0.0, false});
     return result;
   }
-  double squares_m2 = 0.0;
-  for (double error_m : sums.position_m) squares_m2 += error_m * error_m;
-  result.position_rmse_m = std::sqrt(squares_m2 / static_cast<double>(result.matched));
-  std::ranges::sort(sums.position_m);
+  result.errors = figures_of(sums, motion);
+  result.position_rmse_m = result.errors.rmse_m;
   const std::size_t quantiles = std::min(kErrorQuantiles, result.matched);
   for (std::size_t i = 0; i < quantiles; ++i)
     result.error_quantiles_m.push_back(quantile(

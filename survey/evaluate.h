@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "models/deployment.h"
 #include "models/fix.h"
 #include "models/run.h"
@@ -25,6 +27,25 @@ struct Gate {
 /// Enough for a curve.
 inline constexpr std::size_t kErrorQuantiles = 101;
 
+/// Error figures of ISO/IEC 18305 of some fixes. Position errors are horizontal for planar motion, in space
+/// otherwise.
+struct ErrorFigures {
+  double mean_m = 0.0;
+  double rmse_m = 0.0;
+  double ce50_m = 0.0, ce95_m = 0.0;         ///< circular errors: quantiles of the horizontal error
+  std::optional<double> ve95_m{}, se95_m{};  ///< vertical and spherical error, for motion in space
+};
+
+/// Fixes of one recording. Sites of several floors or zones are evaluated by a recording of each.
+struct RunFigures {
+  std::string name;
+  std::size_t fixes = 0, no_fix = 0, matched = 0;
+  ErrorFigures errors{};
+  /// Share of the epochs or instants that have a fix, and of the reference's poses that have one within its
+  /// max_gap_s.
+  double availability = 0.0, coverage = 0.0;
+};
+
 /// Fixes against a reference trajectory.
 struct Evaluation {
   std::size_t fixes = 0;  ///< with status ok
@@ -37,6 +58,9 @@ struct Evaluation {
       error_quantiles_m;  ///< quantiles of the position errors, ascending, at most kErrorQuantiles
   std::optional<double> heading_rmse_rad;  ///< where the reference has a heading
   std::optional<double> nees_mean;         ///< over its degrees of freedom: 1 for honest covariances
+  ErrorFigures errors{};
+  double availability = 0.0, coverage = 0.0;  ///< as in RunFigures
+  std::vector<RunFigures> runs;
   std::vector<Gate> gates;
   [[nodiscard]] bool pass() const;
 };
@@ -46,6 +70,10 @@ struct ReferencedRun {
   std::vector<Fix> fixes;
   std::vector<TimedPose> truth;  ///< ordered by time
   PoseAccuracy truth_accuracy;
+  std::string name{};
+  /// Point of the vehicle that fixes of an open attitude locate (models/localizers/common/open_attitude.h).
+  /// They are compared there if the reference has an attitude.
+  Eigen::Vector3d p_located_vehicle_m = Eigen::Vector3d::Zero();
 };
 
 /// Compares each fix with the reference interpolated at its time (never beyond its ends, nor over gaps longer

@@ -9,6 +9,41 @@
 
 namespace octant::survey {
 
+namespace {
+
+/// A row for each recording, of a site of several floors or zones one of each.
+ReportTable table_of(const std::vector<RunFigures>& runs) {
+  ReportTable table{"verification-runs",
+                    "Each run by itself",
+                    {{"run", true},
+                     {"fixes"},
+                     {"availability [%]"},
+                     {"coverage [%]"},
+                     {"mean [m]"},
+                     {"RMSE [m]"},
+                     {"CE95 [m]"},
+                     {"VE95 [m]"},
+                     {"SE95 [m]"}}};
+  for (const RunFigures& run : runs) {
+    if (table.rows.size() >= kMaxRows) break;
+    const auto metres = [&run](const std::optional<double>& value_m) {
+      return number_cell(run.matched > 0 ? value_m : std::nullopt, 1.0, 4);
+    };
+    table.rows.push_back({{run.name},
+                          {fmt::format("{}", run.fixes)},
+                          number_cell(run.availability, 100.0, 1),
+                          number_cell(run.coverage, 100.0, 1),
+                          metres(run.errors.mean_m),
+                          metres(run.errors.rmse_m),
+                          metres(run.errors.ce95_m),
+                          metres(run.errors.ve95_m),
+                          metres(run.errors.se95_m)});
+  }
+  return table;
+}
+
+}  // namespace
+
 std::optional<ReportSection> verification_section(const ReportInput& input) {
   if (!input.evaluation) return {};
   const Evaluation& e = *input.evaluation;
@@ -18,15 +53,23 @@ std::optional<ReportSection> verification_section(const ReportInput& input) {
   table.add("fixes", fmt::format("{}, of which {} have a reference", e.fixes, e.matched));
   table.add("no fix", fmt::format("{} epochs or instants", e.no_fix));
   if (e.matched > 0) {
+    table.add("position error, mean", length_text(e.errors.mean_m));
     table.add("position error, RMSE", length_text(e.position_rmse_m));
     table.add("position error, 95 %", length_text(e.position_p95_m));
     table.add("position error, largest", length_text(e.max_error_m));
+    table.add("horizontal error, CE50", length_text(e.errors.ce50_m));
+    table.add("horizontal error, CE95", length_text(e.errors.ce95_m));
+    if (e.errors.ve95_m) table.add("vertical error, VE95", length_text(*e.errors.ve95_m));
+    if (e.errors.se95_m) table.add("error in space, SE95", length_text(*e.errors.se95_m));
+    table.add("availability", fmt::format("{:.1f} % of the epochs or instants", 100 * e.availability));
+    table.add("coverage", fmt::format("{:.1f} % of the reference", 100 * e.coverage));
   }
   if (e.heading_rmse_rad) table.add("heading error, RMSE", fmt::format("{:.4f} rad", *e.heading_rmse_rad));
   if (e.nees_mean)
     table.add("NEES over its degrees of freedom",
               fmt::format("{:.2f} (1: the stated sigmas are honest)", *e.nees_mean));
   section.blocks.emplace_back(std::move(table));
+  if (e.runs.size() > 1) section.blocks.emplace_back(table_of(e.runs));
   if (e.error_quantiles_m.size() > 1) {
     const auto& limit = input.plan.deployment.tolerance.fix_m;
     section.blocks.emplace_back(ReportFigure{

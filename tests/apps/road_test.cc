@@ -151,12 +151,23 @@ TEST_F(Road, LocalizeAndVerify) {
   ASSERT_EQ(checked.exit, 0) << checked.err;
   const auto verdict = checked.json();
   for (const char* key : {"status", "matched", "position_rmse_m", "position_p95_m", "heading_rmse_rad",
-                          "max_error_m", "nees_mean", "gates"}) {
+                          "max_error_m", "nees_mean", "gates", "mean_error_m", "ce50_m", "ce95_m", "ve95_m",
+                          "se95_m", "availability", "coverage", "latency_s", "runs", "calibration_runs"}) {
     EXPECT_TRUE(verdict.contains(key)) << key;
   }
   EXPECT_LT(verdict["position_rmse_m"].get<double>(), 0.01);
   EXPECT_EQ(verdict["gates"][0]["name"], "fix_m");
   EXPECT_EQ(verdict["gates"][0]["pass"], true);
+  EXPECT_EQ(verdict["calibration_runs"].size(), 0U);
+}
+
+TEST_F(Road, VerifyWarnsOfARunOfTheCalibration) {
+  ASSERT_EQ(calibrate().exit, 0);
+  std::filesystem::copy(hall("run"), out("again"), std::filesystem::copy_options::recursive);
+  std::filesystem::copy(hall("heldout/truth.tum"), out("again/truth.tum"));
+  const Outcome checked = octant({"verify", out("d.json"), out("again"), "--json"});
+  EXPECT_EQ(checked.json()["calibration_runs"].size(), 1U);
+  EXPECT_THAT(checked.err + checked.out, HasSubstr("took part in the calibration"));
 }
 
 TEST_F(Road, VerifySaysThatSigmasDoNotHold) {

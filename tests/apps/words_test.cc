@@ -58,7 +58,8 @@ std::string bare(std::string text) {
   text = std::regex_replace(text, std::regex(R"(\\)"), "");
   text = std::regex_replace(text, std::regex(R"(\s*\[[^\]]*\])"), "");
   text = std::regex_replace(text, std::regex("^left out: "), "");
-  text = std::regex_replace(text, std::regex(", (RMSE|RMS|95 %|largest|median)$"), "");
+  text =
+      std::regex_replace(text, std::regex(", (RMSE|RMS|95 %|largest|median|mean|CE50|CE95|VE95|SE95)$"), "");
   text = std::regex_replace(text, std::regex(" (by the arrivals' noise|over its degrees of freedom)$"), "");
   return text;
 }

@@ -3,6 +3,7 @@
 #include "survey/evaluate.h"
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -135,6 +136,57 @@ TEST(Evaluate, SpatialErrorIsInSpace) {
   fix.covariance = Eigen::MatrixXd::Identity(6, 6);
   EXPECT_NEAR(evaluate({fix}, truth, kExact, Motion::kSpatial, {}).max_error_m, 0.005, 1e-12);
   EXPECT_NEAR(evaluate({fix}, truth, kExact, Motion::kPlanar, {}).max_error_m, 0.003, 1e-12);
+}
+
+Fix in_space_at(double time_s, const Eigen::Vector3d& p) {
+  Fix fix = fix_at(time_s, Pose{p, Eigen::Quaterniond::Identity()});
+  fix.covariance = 1e-4 * Eigen::MatrixXd::Identity(6, 6);
+  return fix;
+}
+
+// ISO/IEC 18305: horizontal errors 0, 3 and 4 mm, vertical 0, 4 and 3 mm.
+TEST(Evaluate, CircularVerticalAndSphericalErrors) {
+  const std::vector<Fix> fixes = {in_space_at(10.0, {0, 0, 0}), in_space_at(10.5, {1, 0.003, 0.004}),
+                                  in_space_at(11.0, {2.004, 0, -0.003})};
+  const ErrorFigures e = evaluate(fixes, kStraight, kExact, Motion::kSpatial, {}).errors;
+  EXPECT_NEAR(e.mean_m, 10e-3 / 3, 1e-12);
+  EXPECT_NEAR(e.rmse_m, std::sqrt(50.0 / 3) * 1e-3, 1e-12);
+  EXPECT_NEAR(e.ce50_m, 3e-3, 1e-12);
+  EXPECT_NEAR(e.ce95_m, 3.9e-3, 1e-12);
+  EXPECT_NEAR(e.ve95_m.value(), 3.9e-3, 1e-12);
+  EXPECT_NEAR(e.se95_m.value(), 5e-3, 1e-12);
+  EXPECT_FALSE(evaluate(fixes, kStraight, kExact, Motion::kPlanar, {}).errors.ve95_m);
+}
+
+TEST(Evaluate, AvailabilityIsOfTheEpochsCoverageOfTheReference) {
+  Fix none;
+  none.time_s = 10.5;
+  ReferencedRun run = {{fix_at(10.0, Pose{}), none}, kStraight, kExact, "east"};
+  run.truth_accuracy.max_gap_s = 0.6;
+  const Evaluation e = evaluate({run}, Motion::kPlanar, {});
+  ASSERT_EQ(e.runs.size(), 1U);
+  EXPECT_EQ(e.runs[0].name, "east");
+  EXPECT_DOUBLE_EQ(e.availability, 0.5);
+  EXPECT_NEAR(e.coverage, 2.0 / 3, 1e-12) << "of 10.0 and 10.5 s, not of 11.0 s";
+  EXPECT_DOUBLE_EQ(e.runs[0].coverage, e.coverage);
+}
+
+// A single antenna two metres before the origin: its fixes are compared at the antenna.
+TEST(Evaluate, FixesOfAnOpenAttitudeAreComparedAtThePointThatTheyLocate) {
+  const Eigen::Vector3d antenna_m(2, 0, 0);
+  Fix fix = in_space_at(10.0, {0.01, 2, 0});
+  fix.covariance.diagonal().head<3>().array() += 4.0 / 3;
+  fix.covariance.diagonal().tail<3>().setConstant(kUnknownRotationVariance);
+  ReferencedRun run = {{fix}, {{10.0, Pose::planar(0, 0, std::numbers::pi / 2)}}, kExact};
+  run.p_located_vehicle_m = antenna_m;
+  const Evaluation e = evaluate({run}, Motion::kSpatial, {});
+  EXPECT_NEAR(e.position_rmse_m, 0.01, 1e-12);
+  EXPECT_NEAR(e.nees_mean.value(), 1.0 / 3, 1e-9);
+  EXPECT_FALSE(e.heading_rmse_rad);
+  run.truth_accuracy.heading_known = false;
+  const Evaluation open = evaluate({run}, Motion::kSpatial, {});
+  EXPECT_NEAR(open.position_rmse_m, 2.0, 1e-3);
+  EXPECT_NEAR(open.nees_mean.value(), 4.0 / (3 * 1.3334), 1e-2);
 }
 
 TEST(Evaluate, RunsTogetherAreOneSample) {

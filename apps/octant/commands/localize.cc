@@ -42,7 +42,7 @@ void warn_of_no_fix(const Deployment& deployment, const std::vector<MeasurementL
       session.warn(fmt::format("there is not a single fix; {}: {}", run.path, doubt));
       told = true;
     }
-  if (!told) session.warn("there is not a single fix; is this the right deployment for the run?");
+  if (!told) session.warn(fmt::format("There is not a single fix: {}.", why_no_fix(found)));
 }
 
 void warn_of_fixes(const LocalizeArgs& args, const Localization& found, Session& session) {

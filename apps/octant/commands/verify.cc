@@ -61,6 +61,7 @@ int compare(const Deployment& deployment, const std::vector<MeasurementLog>& run
         1e6 * seconds / static_cast<double>(std::max<std::size_t>(1, found->ok + found->no_fix));
     Json row = evaluation_json(e);
     row.erase("gates");
+    row.erase("runs");
     row.update({{"method", name}, {"possible", true}, {"seconds_per_fix", 1e-6 * each_us}});
     rows.push_back(std::move(row));
     const auto figure = [&](double value) {
@@ -80,6 +81,7 @@ Json located_json(const Deployment& deployment, const std::vector<MeasurementLog
                   const Localization& found, const std::vector<LeftOutOfBeacon>& left_out) {
   return {{"no_fix_reasons", no_fix_json(found)},
           {"left_out", left_out_json(left_out)},
+          {"calibration_runs", runs_of_calibration(deployment, runs)},
           {"speeds", speeds_json(found, runs)},
           {"calibration", calibration_age_json(deployment)}};
 }
@@ -100,6 +102,11 @@ int run(const VerifyArgs& args, Session& session) {
   const Localization found = need(localize_runs(deployment, runs, args.how.method, input));
   stop_if_interrupted();
   warn_outside_validity(deployment, runs, found, session);
+  for (const std::string& run : runs_of_calibration(deployment, runs))
+    session.warn(fmt::format(
+        "{} took part in the calibration (the digests of its data are among the deployment's inputs), so "
+        "its errors are smaller than those of new recordings. Verify with a recording that did not.",
+        run));
   const survey::Evaluation evaluation = verify_fixes(deployment, runs, found);
   if (const std::string doubt = doubt_of_sigmas(evaluation, deployment.motion); !doubt.empty())
     session.warn(doubt);

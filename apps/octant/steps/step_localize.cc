@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <optional>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -13,6 +15,7 @@
 #include "io/deployment/signature.h"
 #include "io/text/bounds.h"
 #include "models/changes/chi_square.h"
+#include "models/localizers/common/open_attitude.h"
 
 namespace octant::app {
 
@@ -169,7 +172,8 @@ survey::Evaluation verify_fixes(const Deployment& deployment, const std::vector<
   check_truth(runs);
   std::vector<survey::ReferencedRun> referenced;
   for (std::size_t i = 0; i < runs.size(); ++i) {
-    survey::ReferencedRun run{{}, runs[i].truth, runs[i].truth_accuracy};
+    survey::ReferencedRun run{{}, runs[i].truth, runs[i].truth_accuracy, runs[i].path};
+    run.p_located_vehicle_m = receiver_centre_m(deployment, runs[i].vehicle);
     // truth.tum follows one vehicle; the others of the run have no reference.
     const std::span<const Fix> fixes = localization.of_run(i);
     std::ranges::copy_if(fixes, std::back_inserter(run.fixes), [&](const Fix& fix) {
@@ -187,17 +191,82 @@ Json gates_json(const std::vector<survey::Gate>& gates) {
   return list;
 }
 
+namespace {
+
+Json errors_json(const survey::ErrorFigures& figures, bool any) {
+  const auto figure = [any](double value) { return any ? Json(value) : Json(nullptr); };
+  return {{"mean_error_m", figure(figures.mean_m)},
+          {"ce50_m", figure(figures.ce50_m)},
+          {"ce95_m", figure(figures.ce95_m)},
+          {"ve95_m", figures.ve95_m},
+          {"se95_m", figures.se95_m}};
+}
+
+/// A row for each recording, of a site of several floors or zones one of each.
+std::string runs_text(const std::vector<survey::RunFigures>& runs) {
+  Table table{"lrrrrrrrr",
+              {{"run", "fixes", "available", "covered", "mean", "RMSE", "CE95", "VE95", "SE95"}}};
+  for (const survey::RunFigures& run : runs) {
+    const auto length = [&run](const std::optional<double>& value_m) {
+      return run.matched > 0 && value_m ? length_text(*value_m) : std::string("-");
+    };
+    const survey::ErrorFigures& e = run.errors;
+    table.rows.push_back({run.name, fmt::format("{}", run.fixes),
+                          fmt::format("{:.1f} %", 100 * run.availability),
+                          fmt::format("{:.1f} %", 100 * run.coverage), length(e.mean_m), length(e.rmse_m),
+                          length(e.ce95_m), length(e.ve95_m), length(e.se95_m)});
+  }
+  return table.text();
+}
+
+}  // namespace
+
 Json evaluation_json(const survey::Evaluation& e) {
   const auto figure = [&](double value) { return e.matched > 0 ? Json(value) : Json(nullptr); };
-  return {{"fixes", e.fixes},
-          {"no_fix", e.no_fix},
-          {"matched", e.matched},
-          {"position_rmse_m", figure(e.position_rmse_m)},
-          {"position_p95_m", figure(e.position_p95_m)},
-          {"heading_rmse_rad", e.heading_rmse_rad},
-          {"max_error_m", figure(e.max_error_m)},
-          {"nees_mean", e.nees_mean},
-          {"gates", gates_json(e.gates)}};
+  Json by_run = Json::array();
+  for (const survey::RunFigures& run : e.runs) {
+    Json row = errors_json(run.errors, run.matched > 0);
+    row.update({{"run", run.name},
+                {"fixes", run.fixes},
+                {"no_fix", run.no_fix},
+                {"matched", run.matched},
+                {"rmse_m", run.matched > 0 ? Json(run.errors.rmse_m) : Json(nullptr)},
+                {"availability", run.availability},
+                {"coverage", run.coverage}});
+    by_run.push_back(std::move(row));
+  }
+  Json object = errors_json(e.errors, e.matched > 0);
+  object.update({{"fixes", e.fixes},
+                 {"no_fix", e.no_fix},
+                 {"availability", e.availability},
+                 {"coverage", e.coverage},
+                 {"latency_s", nullptr},
+                 {"runs", std::move(by_run)},
+                 {"matched", e.matched},
+                 {"position_rmse_m", figure(e.position_rmse_m)},
+                 {"position_p95_m", figure(e.position_p95_m)},
+                 {"heading_rmse_rad", e.heading_rmse_rad},
+                 {"max_error_m", figure(e.max_error_m)},
+                 {"nees_mean", e.nees_mean},
+                 {"gates", gates_json(e.gates)}});
+  return object;
+}
+
+std::vector<std::string> runs_of_calibration(const Deployment& deployment,
+                                             const std::vector<MeasurementLog>& runs) {
+  std::set<std::string> calibrated;
+  for (const InputDigest& input : deployment.inputs) calibrated.insert(input.sha256);
+  const auto is_data = [](const std::string& path) {
+    const std::string name = std::filesystem::path(path).filename().string();
+    return name == "tof.csv" || name == "bearings.csv" || name == "scans.csv";
+  };
+  std::vector<std::string> same;
+  for (const MeasurementLog& run : runs)
+    if (std::ranges::any_of(run.sha256, [&](const auto& file) {
+          return is_data(file.first) && calibrated.contains(file.second);
+        }))
+      same.push_back(run.path);
+  return same;
 }
 
 std::string doubt_of_sigmas(const survey::Evaluation& e, Motion motion) {
@@ -216,6 +285,30 @@ std::string doubt_of_sigmas(const survey::Evaluation& e, Motion motion) {
       "below {:.1f}; positions are off by {} RMS{}: do truth and map share the frame and the units, and are "
       "the receivers where the deployment has them?",
       *e.nees_mean, limit, length_text(e.position_rmse_m), heading);
+}
+
+std::string why_no_fix(const Localization& localization) {
+  static const std::map<std::string, const char*> words = {
+      {to_string(FixStatus::kTooFewArrivals),
+       "too few beacons were received at a time. In the plane a fix takes two or three ranges, in space "
+       "three "
+       "or four"},
+      {to_string(FixStatus::kPoorGeometry),
+       "the geometry leaves a direction of the position undetermined, such as a turn about beacons that are "
+       "nearly in line. Add a beacon off that line, or measure the height"},
+      {to_string(FixStatus::kAmbiguous),
+       "two positions explain the arrivals equally well, such as mirror images in the plane of the beacons. "
+       "Add a beacon off that plane, or send odometry"},
+      {to_string(FixStatus::kNoConsensus),
+       "the arrivals contradict each other at every position. Check that the deployment is that of the "
+       "run's site, and the units of tof_s"},
+      {to_string(FixStatus::kNotConverged), "the adjustment did not converge"}};
+  const auto most = std::ranges::max_element(localization.no_fix_reasons, {},
+                                             [](const auto& reason) { return reason.second; });
+  if (most == localization.no_fix_reasons.end()) return "no arrival of a known beacon was received";
+  const auto sentence = words.find(most->first);
+  return fmt::format("in {} of {} epochs or instants {}", most->second, localization.no_fix,
+                     sentence == words.end() ? "there is no position" : sentence->second);
 }
 
 Json no_fix_json(const Localization& localization) { return Json(localization.no_fix_reasons); }
@@ -238,8 +331,17 @@ std::string evaluation_text(const survey::Evaluation& e, const Localization& loc
   line("fixes",
        fmt::format("{}, {} of them with a reference; {} times no fix", e.fixes, e.matched, e.no_fix));
   if (e.matched > 0) {
-    line("position error", fmt::format("RMSE {}, 95 % {}, largest {}", length_text(e.position_rmse_m),
-                                       length_text(e.position_p95_m), length_text(e.max_error_m)));
+    line("position error", fmt::format("mean {}, RMSE {}, 95 % {}, largest {}", length_text(e.errors.mean_m),
+                                       length_text(e.position_rmse_m), length_text(e.position_p95_m),
+                                       length_text(e.max_error_m)));
+    const auto in_space = [](const char* name, const std::optional<double>& value_m) {
+      return value_m ? fmt::format(", {} {}", name, length_text(*value_m)) : std::string();
+    };
+    line("ISO/IEC 18305",
+         fmt::format("CE50 {}, CE95 {}{}{}", length_text(e.errors.ce50_m), length_text(e.errors.ce95_m),
+                     in_space("VE95", e.errors.ve95_m), in_space("SE95", e.errors.se95_m)));
+    line("availability", fmt::format("{:.1f} % of the epochs, coverage {:.1f} % of the reference",
+                                     100 * e.availability, 100 * e.coverage));
   }
   if (e.heading_rmse_rad) line("heading error", fmt::format("RMSE {:.4f} rad", *e.heading_rmse_rad));
   if (e.nees_mean)
@@ -253,6 +355,7 @@ std::string evaluation_text(const survey::Evaluation& e, const Localization& loc
     }
   }
   if (e.gates.empty()) line("gates", "none: the site states no tolerance for fixes");
+  if (e.runs.size() > 1) text += runs_text(e.runs);
   return text;
 }
 

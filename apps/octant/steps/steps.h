@@ -170,6 +170,11 @@ void check_truth(const std::vector<MeasurementLog>& runs);
 [[nodiscard]] Json evaluation_json(const survey::Evaluation& evaluation);
 [[nodiscard]] std::string evaluation_text(const survey::Evaluation& evaluation,
                                           const Localization& localization);
+/// The runs whose arrivals, bearings or scans are among the inputs of the calibration, by their digests.
+[[nodiscard]] std::vector<std::string> runs_of_calibration(const Deployment& deployment,
+                                                           const std::vector<MeasurementLog>& runs);
+/// The reason of most epochs without a fix, as the end of a sentence, with what to do.
+[[nodiscard]] std::string why_no_fix(const Localization& localization);
 /// That the fixes' stated sigmas do not hold: the mean NEES is beyond what it would be once in a thousand
 /// times even if all fixes shared one error (chi-square of a single fix). Empty where they may hold.
 [[nodiscard]] std::string doubt_of_sigmas(const survey::Evaluation& evaluation, Motion motion);

@@ -48,8 +48,13 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ResidualBin, name, from, to, count, mean_s, r
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ResidualChart, by, unit, bins)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Histogram, from, width, counts)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Gate, name, limit, value, pass)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Evaluation, fixes, no_fix, matched, position_rmse_m, position_p95_m,
-                                   max_error_m, error_quantiles_m, heading_rmse_rad, nees_mean, gates)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(ErrorFigures, mean_m, rmse_m, ce50_m, ce95_m, ve95_m, se95_m)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(RunFigures, name, fixes, no_fix, matched, errors,
+                                                availability, coverage)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(Evaluation, fixes, no_fix, matched, position_rmse_m,
+                                                position_p95_m, max_error_m, error_quantiles_m,
+                                                heading_rmse_rad, nees_mean, errors, availability, coverage,
+                                                runs, gates)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(BeaconChange, name, shift_m, sigma_m, p, delay_change_s,
                                                 delay_sigma_s, delay_p, significant, delay_significant,
                                                 by_datum)
