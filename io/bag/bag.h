@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/: recordings of publish-subscribe systems, message by message.
+// Private to io/: messages of recordings of publish-subscribe systems.
 
 #include <cstddef>
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace octant::io {
 inline constexpr std::size_t kMostTopics = 10'000;
 inline constexpr std::size_t kLongestTopic = 1024;                     ///< bytes of a name or type
 inline constexpr std::size_t kLargestChunk = std::size_t{256} << 20;   ///< bytes, uncompressed
-inline constexpr std::size_t kLargestMessage = std::size_t{64} << 20;  ///< bytes, of a database's row
+inline constexpr std::size_t kLargestMessage = std::size_t{64} << 20;  ///< bytes of a row of a database
 
 struct BagTopic {
   std::string name;
@@ -29,7 +29,7 @@ struct BagTopic {
 struct BagMessage {
   const BagTopic& topic;
   std::int64_t log_time_ns = 0;  ///< when it was recorded
-  std::string_view data;         ///< good until the next one
+  std::string_view data;         ///< valid until the next message
 };
 
 /// Receives the topics and messages of a bag.
@@ -48,14 +48,14 @@ struct BagSummary {
   std::vector<std::string> warnings;
 };
 
-/// A bag in whichever way it is stored: an MCAP file, a database of rosbag2 (.db3), or a folder of rosbag2
-/// with one or several of them, in the order of their numbers. Errors: kBadInput with the file and what is
-/// wrong in it; a compressed database, with the way to decompress it.
+/// Reads a bag in any storage: an MCAP file, a database of rosbag2 (.db3), or a folder of rosbag2 with one or
+/// several of them, in the order of their numbers. Errors: kBadInput with the file and its fault; a
+/// compressed database, with the command that decompresses it.
 [[nodiscard]] Result<BagSummary> read_bag(const std::string& path, const BagVisitor& visitor);
 /// Returns true if a path looks like a bag, by the content of the file or by the files of the folder.
 [[nodiscard]] bool is_bag(const std::string& path);
 
-// The two ways, added to a summary.
+// The two kinds of storage; each adds to a summary.
 [[nodiscard]] Result<void> read_mcap(const std::string& path, const BagVisitor& visitor, BagSummary& summary);
 [[nodiscard]] Result<void> read_bag_database(const std::string& path, const BagVisitor& visitor,
                                              BagSummary& summary);

@@ -15,7 +15,7 @@
 namespace octant::io {
 namespace {
 
-/// Steps of SQLite's machine between two looks at how long it has worked.
+/// Steps of SQLite's virtual machine between two checks of the elapsed work.
 constexpr int kStepsALook = 100'000;
 
 /// Path as an SQLite URI: read-only, and without looking for a write-ahead log.

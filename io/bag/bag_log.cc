@@ -36,7 +36,7 @@ struct TopicPlan {
   const RangeTopics* range = nullptr;
   std::map<std::string, std::string, std::less<>> names;  ///< names that the topic states for its ranges
   const PoseTopic* pose = nullptr;
-  std::vector<TimedPose>* poses = nullptr;  ///< to which those of `pose` are added
+  std::vector<TimedPose>* poses = nullptr;  ///< destination of the poses of `pose`
 };
 
 class BagLogReader {
@@ -89,7 +89,7 @@ class BagLogReader {
     return true;
   }
 
-  /// The mapping's topics of poses, and what they are added to.
+  /// Topics of poses in the mapping, and their destinations.
   std::vector<std::pair<const PoseTopic*, std::vector<TimedPose>*>> pose_topics() {
     std::vector<std::pair<const PoseTopic*, std::vector<TimedPose>*>> topics;
     if (mapping_.odometry) topics.emplace_back(&*mapping_.odometry, &log_.odometry);
@@ -140,11 +140,11 @@ class BagLogReader {
   }
 
   double time_of(double stamp_s, const BagMessage& message) const {
-    // A driver that does not stamp leaves zero.
+    // Drivers without time stamps write zero.
     return mapping_.recorded_time || stamp_s == 0.0 ? seconds_of(message.log_time_ns) : stamp_s;
   }
 
-  /// A name's number, -1 for an empty one.
+  /// Number of a name; -1 for an empty name.
   int number_of(std::string_view name) {
     if (name.empty()) return -1;
     if (!is_utf8(name) && !error_)
@@ -229,7 +229,7 @@ class BagLogReader {
     return true;
   }
 
-  /// Each topic that was asked for by its name has been there, and frames of tf have.
+  /// Checks that each requested topic exists, and that each requested frame of tf exists.
   Result<void> check_found() {
     const auto missing = [&](const std::string& name) {
       return std::ranges::none_of(topics_, [&](const BagTopic& t) { return t.name == name; });

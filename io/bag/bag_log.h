@@ -29,7 +29,7 @@ namespace octant::io {
 inline constexpr const char* kArrivalType = "octant.Arrival";
 inline constexpr const char *kOdometryTopic = "/octant/odometry", *kPosesTopic = "/octant/poses",
                             *kTruthTopic = "/octant/truth";
-/// Name of the metadata that hold run.yaml, and their key.
+/// Name of the metadata record with run.yaml, and its key.
 inline constexpr const char *kRunMetadata = "octant.run", *kRunYamlKey = "run.yaml";
 
 }  // namespace octant::io

@@ -13,8 +13,8 @@
 
 namespace octant::io {
 
-/// Takes values off the front of an encoded message. What is not there reads as zero, and ok() is false from
-/// then on: a decoder is a list of fields, and looks once, at the end.
+/// Reads values from the beginning of an encoded message. Missing values read as zero, and ok() is false from
+/// then on: a decoder is a list of fields that checks once at the end.
 class CdrReader {
  public:
   /// The first four bytes say how the rest is encoded: CDR or plain CDR2, either byte order.

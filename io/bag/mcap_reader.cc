@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// MCAP, version 0 (mcap.dev/spec), read from the front to the end of its data section: what a recorder that
-// was killed left is read as far as it goes.
+// MCAP, version 0 (mcap.dev/spec), read from the beginning to the end of its data section. An incomplete file
+// of a killed recorder is read as far as possible.
 #include <algorithm>
 #include <cstring>
 #include <memory>
@@ -20,7 +20,8 @@
 namespace octant::io {
 namespace {
 
-/// Fields of a record, off its front; what is not there reads as zero, and ok() is false from then on.
+/// Reads the fields of a record from its beginning. Missing fields read as zero, and ok() is false from then
+/// on.
 class McapFields {
  public:
   explicit McapFields(std::string_view record) : left_(record) {}
@@ -49,7 +50,7 @@ class McapFields {
   bool ok_ = true;
 };
 
-/// A record off the front of fields, which are not ok() where they end within it.
+/// Reads a record from the beginning of fields, which are not ok() if they end within it.
 struct McapRecord {
   McapOp op;
   std::string_view content;
@@ -63,7 +64,7 @@ struct McapChannel {
   bool wanted = false;
 };
 
-/// Decompresses to at most `size` bytes, growing as they come: a size that is not true takes no memory.
+/// Decompresses to at most `size` bytes. The buffer grows with the data, so a wrong size needs no memory.
 bool unpack_lz4(std::string_view packed, std::size_t size, std::string& out) {
   LZ4F_dctx* context = nullptr;
   if (LZ4F_isError(LZ4F_createDecompressionContext(&context, LZ4F_VERSION)) != 0) return false;

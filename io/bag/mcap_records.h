@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/bag/: what reader and writer of MCAP share.
+// Private to io/bag/: constants of the reader and the writer of MCAP.
 
 #include <cstddef>
 #include <cstdint>
@@ -23,7 +23,7 @@ enum class McapOp : std::uint8_t {
   kSummaryOffset = 14,
   kDataEnd = 15
 };
-/// Bytes before a record's content: what it is, and how long.
+/// Bytes before a record's content: its kind and its length.
 inline constexpr std::size_t kMcapHead = 9;
 
 }  // namespace octant::io

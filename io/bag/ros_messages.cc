@@ -18,7 +18,7 @@ double stamp_of(CdrReader& in) {
   return seconds_of(s * kSecond_ns + ns);
 }
 
-/// Seven numbers: place, quaternion x y z w.
+/// Seven numbers: position, quaternion x y z w.
 bool read_pose_of(CdrReader& in, Pose& T) {
   double v[7];
   bool finite = true;
@@ -75,7 +75,7 @@ std::optional<RosRange> range_of(std::string_view message) {
   const double least = in.value<float>(), most = in.value<float>();
   out.range_m = in.value<float>();
   if (!in.ok()) return std::nullopt;
-  // Drivers that know no limits leave both at zero.
+  // Drivers without known limits write zero for both.
   out.measured = std::isfinite(out.range_m) && out.range_m > 0.0 &&
                  (!(most > least) || (out.range_m >= least && out.range_m <= most));
   return out;
@@ -160,7 +160,7 @@ std::int64_t nanoseconds_of(double time_s) {
 }
 
 double seconds_of(std::int64_t time_ns) {
-  // Whole seconds apart, as not every machine has a longer double.
+  // Whole seconds are converted separately, because not every machine has a longer double.
   const std::int64_t whole = time_ns / kSecond_ns;
   return static_cast<double>(whole) + static_cast<double>(time_ns - whole * kSecond_ns) / 1e9;
 }

@@ -47,7 +47,8 @@ inline constexpr std::string_view kRosRange = "sensor_msgs/msg/Range",
 /// The covariance of a Fix uses rotations about the axes of the vehicle. For a planar pose, the components
 /// out of the plane are zero.
 [[nodiscard]] Eigen::Matrix<double, 6, 6> covariance_in_map(const PoseCovariance& covariance, const Pose& T);
-/// The other way. @param covariance  row by row: x, y, z, rotations about the frame's axes
+/// Messages that are written.
+/// @param covariance  row by row: x, y, z, rotations about the frame's axes
 [[nodiscard]] std::string ros_pose(std::int64_t stamp_ns, std::string_view frame, const Pose& T);
 [[nodiscard]] std::string ros_pose_with_covariance(std::int64_t stamp_ns, std::string_view frame,
                                                    const Pose& T, const PoseCovariance& covariance);
@@ -57,7 +58,7 @@ inline constexpr std::string_view kRosRange = "sensor_msgs/msg/Range",
 /// that it uses.
 [[nodiscard]] std::string ros_definition(std::string_view type);
 
-/// The nearest instant in whole nanoseconds, and back: the same double for times with at most nine decimals.
+/// Conversion to the nearest whole nanosecond, and back; exact for times with at most nine decimals.
 [[nodiscard]] std::int64_t nanoseconds_of(double time_s);
 [[nodiscard]] double seconds_of(std::int64_t time_ns);
 

@@ -29,8 +29,8 @@ struct PoseTopic {
 struct TopicMapping {
   std::vector<RangeTopics> ranges;
   std::optional<PoseTopic> odometry, poses, truth;
-  bool recorded_time = false;       ///< the time at which it was recorded, not the message's own
-  std::vector<std::string> ignore;  ///< beacons whose rows are left out, those of a neighbour
+  bool recorded_time = false;       ///< use the time of recording instead of the message's own
+  std::vector<std::string> ignore;  ///< beacons whose rows are left out, such as those of a neighbour
 };
 
 /// "range=/uwb/{receiver}/{beacon},range:B3=/kit/range_3,odometry=/odom,poses=/tf@map>base_link": ranges as

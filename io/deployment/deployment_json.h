@@ -15,12 +15,12 @@ namespace octant::io {
 /// Serialises the document for a file. Errors: numbers that are not finite, which readers refuse.
 [[nodiscard]] Result<std::string> checked_deployment_json(const std::string& path,
                                                           const Deployment& deployment);
-/// Refuses a site file, by that name, where people give it in place of its deployment.
+/// Refuses a site file that is given instead of a deployment, with a message that says so.
 [[nodiscard]] Result<void> check_no_site_file(const std::string& text, const std::string& file);
-/// Reads it back: read(write(x)) == x. Refuses an unknown version, a truncated or altered file, non-finite
-/// numbers.
+/// Reads a deployment: read(write(x)) == x. Refuses an unknown version, a truncated or altered file, non-
+/// finite numbers.
 [[nodiscard]] Result<Deployment> deployment_from_json(const std::string& text, const std::string& file);
-/// SHA-256 of the content of a deployment file (layout does not matter): what its `digest` says where it has
+/// SHA-256 of the content of a deployment file (layout does not matter): the value of its `digest`, if it has
 /// one.
 [[nodiscard]] Result<std::string> deployment_digest(const std::string& path);
 [[nodiscard]] Result<Deployment> read_deployment(const std::string& path);

@@ -39,7 +39,7 @@ void read_deployed_medium(const JsonValue& json, Deployment& d) {
   m.pressure_pa = number_or(json.find("pressure_pa"), m.pressure_pa);
   const double calibrated_mps = json.at("speed_mps").number(kPositive);
   m.speed_mps = number_or(json.find("constant_speed_mps"), calibrated_mps);
-  // speed_mps is what other programs read; the model and its offset are what it comes from.
+  // Other programs read speed_mps; this one derives it from the model and its offset.
   d.speed_offset_mps = number_or(json.find("offset_mps"), calibrated_mps - speed_mps(m));
   d.speed_sigma_mps = json.at("sigma_mps").number(kNotNegative);
   const double offset_speed_mps = d.speed_mps(m.temperature_degC);
@@ -165,8 +165,8 @@ void read_deployed_vehicles(const JsonValue& json, Deployment& d) {
   if (d.vehicles.empty()) json.fail("empty", "at least one vehicle");
 }
 
-/// Numbers that this program does not know (those of a later one) are left out: the covariance of the others
-/// is the marginal one.
+/// Unknown parameters, those of a later program, are left out: the covariance of the others is the marginal
+/// one.
 void read_covariance(const JsonValue& json, const ParameterLookup& lookup, JointCovariance& c) {
   const std::vector<std::string> names = json.at("parameters").texts();
   const std::size_t n = names.size();
@@ -289,7 +289,7 @@ void check_head(const JsonValue& root) {
   }
 }
 
-/// A file of another program may come without a digest; one of ours that was altered has the wrong one.
+/// A file of another program may have no digest; an altered file of this program has a wrong one.
 void check_digest(const JsonValue& root, const nlohmann::json& json, std::vector<std::string>& warnings,
                   const JsonLog& log) {
   const JsonValue digest = root.find("digest");

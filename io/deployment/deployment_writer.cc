@@ -208,7 +208,7 @@ std::string find_not_finite(const Json& json, const std::string& pointer) {
   if (!json.is_structured()) return "";
   std::size_t index = 0;
   for (const auto& [key, value] : json.items()) {
-    // The pointer is spelled out for containers only; most values are numbers of a long array.
+    // The pointer is computed for containers only, because most values are numbers of a long array.
     if (value.is_number_float() && std::isfinite(value.template get<double>())) {
       ++index;
       continue;

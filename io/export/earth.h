@@ -10,7 +10,7 @@
 
 namespace octant::io {
 
-/// Where the map's origin is on the earth (WGS 84).
+/// Position of the map's origin on the earth (WGS 84).
 struct EarthOrigin {
   double latitude_deg = 0.0, longitude_deg = 0.0, altitude_m = 0.0;
   double north_rad = 0.0;  ///< direction of north in the map, counter-clockwise from +x; pi/2: y points north

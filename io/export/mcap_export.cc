@@ -41,7 +41,7 @@ const McapSchema& fix_schema() {
   return schema;
 }
 
-/// As far as it is used here, of foxglove.SceneUpdate.
+/// The part of foxglove.SceneUpdate that is used here.
 const McapSchema& scene_schema() {
   static const McapSchema schema{
       "foxglove.SceneUpdate", "jsonschema",
@@ -100,7 +100,7 @@ class McapExport {
 
   static std::uint64_t at(double time_s) { return static_cast<std::uint64_t>(nanoseconds_of(time_s)); }
 
-  /// "/octant/fix", with the vehicle between where there are several.
+  /// "/octant/fix", or "/octant/VEHICLE/fix" with several vehicles.
   static std::string topic_of(const NameTable& names, VehicleId vehicle, const char* what) {
     const bool named =
         names.vehicles.size() > 1 && vehicle.valid() && vehicle.index() < names.vehicles.size();
@@ -116,7 +116,7 @@ class McapExport {
       const ExportJson pose = {{"position", place},
                                {"orientation", {{"x", 0}, {"y", 0}, {"z", 0}, {"w", 1}}}};
       const ExportJson colour = {{"r", 0.1}, {"g", 0.4}, {"b", 0.8}, {"a", 1.0}};
-      // Lists of one are made by array(): compilers differ in what {x} is.
+      // Lists of one element are made by array(), because compilers interpret {x} differently.
       const ExportJson sphere = {
           {"pose", pose}, {"size", {{"x", 0.15}, {"y", 0.15}, {"z", 0.15}}}, {"color", colour}};
       const ExportJson text = {{"pose", pose},    {"billboard", true},

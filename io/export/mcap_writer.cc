@@ -24,7 +24,7 @@ void put(std::string& out, std::string_view text) {
   put(out, static_cast<std::uint32_t>(text.size()));
   out += text;
 }
-/// Fields one behind the other: numbers little-endian, each as wide as its type, texts behind their length.
+/// Consecutive fields: numbers little-endian with the width of their type, texts after their length.
 template <class... Fields>
 std::string fields(const Fields&... field) {
   std::string out;
@@ -160,7 +160,7 @@ std::string McapWriter::finish() {
   const std::uint64_t summary_offsets = file_.size();
   file_ += offsets;
   std::string footer = fields(summary, summary_offsets);
-  // The checksum takes in the footer's own head and its two offsets.
+  // The checksum includes the footer's own header and its two offsets.
   put_record(head, McapOp::kFooter, footer + std::string(4, '\0'));
   head.resize(head.size() - 4);
   put(footer, checksum(file_.substr(summary) + head));

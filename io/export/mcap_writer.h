@@ -16,13 +16,13 @@ struct McapSchema {
   std::string name, encoding, text;  ///< "nav_msgs/msg/Odometry", "ros2msg" or "jsonschema", the definition
 };
 
-/// Writes MCAP, version 0: chunks of about a megabyte that are not compressed, so that every reader takes
-/// them; an index of the messages behind each chunk; a summary with schemas, channels, statistics and the
-/// chunks' index; checksums of chunks, data section and summary.
+/// Writes MCAP, version 0: uncompressed chunks of about a megabyte, which every reader supports; an index of
+/// the messages after each chunk; a summary with schemas, channels, statistics and the index of chunks;
+/// checksums of chunks, data section and summary.
 class McapWriter {
  public:
   McapWriter();
-  /// A topic; asked again for the same one, the same number. At most 65,535 of them.
+  /// Number of a topic; the same number for the same topic. At most 65,535 of them.
   std::uint16_t channel(const std::string& topic, const McapSchema& schema, const std::string& encoding);
   void message(std::uint16_t channel, std::uint64_t time_ns, std::string_view data);
   void metadata(const std::string& name, const std::map<std::string, std::string>& values);

@@ -110,7 +110,7 @@ class VisitWriter {
   }
 
  private:
-  /// @return the number that the history gives
+  /// @return  the number of the visit in the history
   [[nodiscard]] Result<std::int64_t> put_visit(const Visit& v) {
     const auto of_speed = [&v](double VisitSpeed::*member) {
       return v.speed ? std::optional<double>((*v.speed).*member) : std::nullopt;

@@ -19,7 +19,7 @@ namespace octant::io {
 enum class VisitKind { kCalibration, kMonitoring, kVerification };
 [[nodiscard]] const char* to_string(VisitKind kind);
 
-/// A beacon as a calibration found it.
+/// A beacon as estimated by a calibration.
 struct VisitBeacon {
   std::string name;
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
@@ -28,31 +28,30 @@ struct VisitBeacon {
   BeaconStatus status = BeaconStatus::kCalibrated;
 };
 
-/// Speed as a calibration found it, at the reference temperature of its medium.
+/// Speed as estimated by a calibration, at the reference temperature of its medium.
 struct VisitSpeed {
   double speed_mps = 0.0, sigma_mps = 0.0;
-  double offset_mps =
-      0.0;  ///< from the medium's model: what is left of the speed once the temperature is accounted for
+  double offset_mps = 0.0;  ///< offset from the model of the medium, after the correction for temperature
   double temperature_degC = 0.0;
 };
 
-/// One thing that was found out about a site on one day: a calibration, what a monitor said, a verification.
+/// One result about a site on one day: a calibration, a monitoring, a verification.
 struct Visit {
-  std::int64_t id = 0;  ///< given by the history, from 1
+  std::int64_t id = 0;  ///< number in the history, from 1
   VisitKind kind = VisitKind::kCalibration;
   std::string site;
   std::int64_t happened_s = 0;    ///< seconds since 1970, UTC: when the deployment or the result was made
-  std::int64_t added_s = 0;       ///< when it came into the history
+  std::int64_t added_s = 0;       ///< time of its addition to the history
   std::string digest;             ///< SHA-256 of the document's content; layout does not matter
   std::string deployment_digest;  ///< digest of the deployment that the result belongs to; for a calibration,
                                   ///< of its own
-  std::optional<std::array<double, 2>> temperature_degC;  ///< coldest and warmest air of the recording
-  std::optional<VisitSpeed> speed;                        ///< of a calibration
+  std::optional<std::array<double, 2>> temperature_degC;  ///< lowest and highest temperature of the recording
+  std::optional<VisitSpeed> speed;                        ///< speed of a calibration
   std::string verdict;  ///< grade of a calibration; ok, gate_failed, ... of a result
   std::string who, note, source,
       program;           ///< operator, remark, path as it was added, version of octant that made it
   std::string document;  ///< the JSON itself; not in lists
-  std::vector<VisitBeacon> beacons;  ///< of a calibration; not in lists
+  std::vector<VisitBeacon> beacons;  ///< beacons of a calibration; not in lists
 };
 
 /// Extracts a visit from a deployment file or from the JSON object of `octant verify` or `octant monitor`.
@@ -69,7 +68,7 @@ struct VisitFilter {
 
 struct Addition {
   std::int64_t id = 0;
-  bool is_new = false;  ///< false: the same document was there already
+  bool is_new = false;  ///< false: the history had the same document
 };
 
 /// The visits to one or several sites in one SQLite file or in a PostgreSQL database. Several programs may

@@ -23,7 +23,7 @@ struct ResultClearer {
 };
 using PqResult = std::unique_ptr<PGresult, ResultClearer>;
 
-/// The first line of what the server says.
+/// First line of the server's message.
 std::string first_line_of_server(const char* words) {
   std::string text = words != nullptr ? words : "";
   return text.substr(0, text.find('\n'));
@@ -62,7 +62,7 @@ std::string numbered(std::string_view sql) {
   return text;
 }
 
-/// All rows of a statement, fetched as it is run.
+/// All rows of a statement, fetched when it is executed.
 class PqStatement final : public SqlStatement {
  public:
   PqStatement(const PqConnection& connection, std::string_view sql)
@@ -131,7 +131,7 @@ class PostgresStore final : public SqlStore {
   }
   Result<void> begin() override {
     if (auto begun = run("BEGIN"); !begun) return begun;
-    // Until the transaction ends, however it does.
+    // Released at the end of the transaction in any case.
     auto locked = run(fmt::format("SELECT pg_advisory_xact_lock({})", kWriterLock));
     if (!locked) (void)run("ROLLBACK");
     return locked;

@@ -34,8 +34,8 @@ Result<void> SqlTransaction::commit() {
 
 namespace {
 
-/// The k-th makes version k + 1 of version k. Never changed once it was released; later versions are
-/// appended. SQLite and PostgreSQL read both; {identity} is the store's.
+/// The k-th one upgrades version k to version k + 1. A released one never changes; later versions are
+/// appended. SQLite and PostgreSQL accept both; {identity} is replaced by that of the store.
 constexpr const char* kMigrations[] = {
     R"sql(
 CREATE TABLE document (
@@ -107,7 +107,7 @@ Result<void> migrate(SqlStore& store) {
   if (found->version == kVersion) return {};
   auto transaction = SqlTransaction::begin(store);
   if (!transaction) return fail(transaction.error());
-  // Another program may have done it while this one waited.
+  // Another program may have upgraded it in the meantime.
   const auto now = store.schema();
   if (!now) return fail(now.error());
   if (auto ours = check_owner(*now, store.name()); !ours) return ours;

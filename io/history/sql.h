@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/history/: a store of tables and its statements. SQLite shows in sqlite_store.cc alone, libpq
-// in postgres_store.cc.
+// Private to io/history/: a store of tables and its statements. Only sqlite_store.cc uses SQLite, and only
+// postgres_store.cc libpq.
 
 #include <cstdint>
 #include <memory>
@@ -33,7 +33,7 @@ class SqlStatement {
     number ? put(at, *number) : put_null(at);
     return *this;
   }
-  /// All of them, from 1.
+  /// Binds all values, from 1.
   template <class... Values>
   SqlStatement& bind_all(const Values&... values) {
     int at = 0;
@@ -52,7 +52,7 @@ class SqlStatement {
       visit();
     }
   }
-  /// To be bound and run once more.
+  /// Prepares the statement for new values.
   virtual void reset() = 0;
 
   [[nodiscard]] virtual std::string text(int column) const = 0;
@@ -77,8 +77,8 @@ struct SqlSchema {
   bool empty = false;  ///< empty, and may be created
 };
 
-/// A database, by its path or connection string. What the dialects share is written once, by whoever calls;
-/// what they do not is here.
+/// A database, by its path or connection string. Its callers contain the common parts of the dialects; it
+/// contains the differences.
 class SqlStore {
  public:
   virtual ~SqlStore() = default;
@@ -90,13 +90,13 @@ class SqlStore {
   [[nodiscard]] virtual Result<void> begin() = 0;
   [[nodiscard]] virtual Result<SqlSchema> schema() = 0;
   [[nodiscard]] virtual Result<void> set_version(std::int64_t version) = 0;
-  /// Type of a column whose numbers the store gives, from 1.
+  /// Type of a column with automatic numbers, from 1.
   [[nodiscard]] virtual std::string identity() const = 0;
   /// Undoes a failed addition: a store that was created for it is removed if it is empty.
   virtual void give_up() {}
   /// Confirms a complete addition. Error: the store was removed in the meantime.
   [[nodiscard]] virtual Result<void> keep() { return {}; }
-  /// As it is named in messages, without passwords.
+  /// Name in messages, without passwords.
   [[nodiscard]] virtual std::string name() const = 0;
 };
 
@@ -111,7 +111,7 @@ class SqlStore {
 /// "postgresql://..." or "postgres://...".
 [[nodiscard]] bool is_connection_string(std::string_view path);
 
-/// Takes everything back unless commit() went through.
+/// Rolls back unless commit() succeeded.
 class SqlTransaction {
  public:
   [[nodiscard]] static Result<SqlTransaction> begin(SqlStore& store);
@@ -124,8 +124,8 @@ class SqlTransaction {
   SqlStore* store_;
 };
 
-/// Brings an empty or older history to the tables of today, one version after the other, each whole or not at
-/// all. Errors: a newer history, a database of another program.
+/// Upgrades an empty or older history to the current tables, one version after the other, each in one
+/// transaction. Errors: a newer history, a database of another program.
 [[nodiscard]] Result<void> migrate(SqlStore& store);
 
 }  // namespace octant::io

@@ -93,7 +93,7 @@ class SqliteStatement final : public SqlStatement {
 
 class SqliteStore final : public SqlStore {
  public:
-  /// @param made  there was no such file before
+  /// @param made  the file is new
   SqliteStore(sqlite3* db, std::string path, bool made) : db_(db), path_(std::move(path)), made_(made) {}
   ~SqliteStore() override {
     if (made_ && given_up_) remove_unless_used();
@@ -114,8 +114,8 @@ class SqliteStore final : public SqlStore {
   }
   Result<void> begin() override { return run("BEGIN IMMEDIATE"); }
   Result<SqlSchema> schema() override {
-    // In this order. Another program may make all of it, in one transaction, between any two of these: who
-    // sees its tables or its version then sees its owner too.
+    // The order matters. Another program may create all of it, in one transaction, between any two of these
+    // statements; a reader who sees its tables or its version then also sees its owner.
     const auto tables = number("SELECT count(*) FROM sqlite_master");
     if (!tables) return fail(tables.error());
     const auto version = number("PRAGMA user_version");
@@ -153,8 +153,8 @@ class SqliteStore final : public SqlStore {
     return *row ? (*rows)->integer(0) : 0;
   }
 
-  /// As the only writer, where that can be had: another program may have added to the file meanwhile. Whoever
-  /// waits for its turn finds by keep() that the file is gone.
+  /// As the only writer if possible, because another program may have added to the file in the meantime. A
+  /// waiting program finds in keep() that the file was removed.
   void remove_unless_used() {
     const bool alone = begin().has_value();
     const auto tables = number("SELECT count(*) FROM sqlite_master");
@@ -164,7 +164,7 @@ class SqliteStore final : public SqlStore {
       const auto size = std::filesystem::file_size(path_ + part, ignored);
       return ignored ? 0 : size;
     };
-    // Where a full disk does not even let it be read, one page holds no table.
+    // If a full disk prevents reading, a file of one page contains no table.
     const bool unused = rows ? *rows == 0 : bytes("") <= kPage && bytes("-wal") == 0;
     for (const char* part : {"-wal", "-shm", "-journal", ""})
       if (unused) std::filesystem::remove(path_ + part, ignored);
@@ -195,8 +195,8 @@ Result<std::unique_ptr<SqlStore>> open_sqlite(const std::string& path, bool crea
   if (code != SQLITE_OK) return sql_failure(path, code, db != nullptr ? sqlite3_errmsg(db) : "out of memory");
   sqlite3_extended_result_codes(db, 1);
   sqlite3_busy_timeout(db, static_cast<int>(std::chrono::milliseconds(kPatience).count()));
-  // A change of the journal's mode does not wait for others by itself, nor does the recovery of what a killed
-  // writer left.
+  // A change of the journal mode does not wait for other programs, nor does the recovery after a killed
+  // writer.
   const bool can_write = sqlite3_db_readonly(db, "main") == 0;
   const auto until = SqlClock::now() + kPatience;
   auto ready = store->run(can_write ? "PRAGMA journal_mode = WAL" : "SELECT count(*) FROM sqlite_master");

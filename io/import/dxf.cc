@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kMostPoints = 2'000'000;
 constexpr std::size_t kLargestDxf = std::size_t{1} << 28;
 
-/// A group: a code that says what the value is, each on a line of its own.
+/// A group: a code, which defines the kind of the value, and the value, each on its own line.
 struct Group {
   int code = 0;
   std::string_view value;
@@ -107,7 +107,7 @@ double metres_of(int unit) {
   }
 }
 
-/// An entity while its groups come in.
+/// An entity while its groups are read.
 struct Entity {
   std::string type;
   DrawnLine drawn;
@@ -117,7 +117,7 @@ struct Entity {
   int flags = 0;
 };
 
-/// A side with a bulge (the tangent of a quarter of its angle) as chords.
+/// Chords of a side with a bulge (the tangent of a quarter of its angle).
 void add_side(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double bulge,
               std::vector<Eigen::Vector2d>& points) {
   const double angle = 4 * std::atan(bulge);
@@ -231,7 +231,7 @@ class Reader {
       else
         add_side(points[i - 1], points[i], e.bulges[i - 1], drawn.points_m);
     }
-    // Two corners close to something where a side bulges: a circle is drawn as two halves.
+    // Two corners enclose an area if a side bulges: a circle is drawn as two halves.
     if (drawn.closed && (points.size() > 2 || (points.size() == 2 && e.bulges.back() != 0.0))) {
       add_side(points.back(), points.front(), e.bulges.back(), drawn.points_m);
       drawn.points_m.pop_back();  // the first corner again

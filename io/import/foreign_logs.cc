@@ -21,7 +21,7 @@ constexpr double kNothingSeen_m =
     80.0;  ///< CARMEN's lasers write 81.83 and similar values when a beam has no return
 constexpr std::size_t kMostBeams = 4096;
 
-/// The words of one line of a CARMEN log, read off from the front.
+/// Words of one line of a CARMEN log, read from its beginning.
 class CarmenLine {
  public:
   CarmenLine(std::string_view line, const std::string& file, int number)

@@ -24,7 +24,7 @@ bool put_in_order(Rows& rows) {
   return true;
 }
 
-/// In the order of time, one at an instant, the first.
+/// Sorts poses by time and keeps the first one of each time.
 void one_an_instant(std::vector<TimedPose>& poses, const char* what, ImportedLog& log) {
   put_in_order(poses);
   const std::size_t before = poses.size();

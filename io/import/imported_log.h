@@ -19,10 +19,10 @@ namespace octant::io {
 
 inline constexpr std::size_t kMostImportedNames = 10'000;
 
-/// Names as small numbers, in the order in which they came.
+/// Numbers of names, in the order of their first use.
 class ImportedNames {
  public:
-  /// -1 where there are more than kMostImportedNames.
+  /// Returns -1 for more than kMostImportedNames.
   int number_of(std::string_view name);
   [[nodiscard]] const std::vector<std::string>& all() const { return names_; }
 
@@ -45,10 +45,10 @@ struct ImportedLog {
   std::string path;
   ImportedNames names;
   std::vector<ImportedArrival> arrivals;
-  std::vector<TimedPose> odometry;  ///< poses in a frame of its own, as odometry counts them
+  std::vector<TimedPose> odometry;  ///< poses in the frame of the odometry
   std::vector<TimedPose> poses, truth;
   std::string run_yaml;                        ///< content of run.yaml; empty: not written
-  std::map<std::string, std::size_t> ignored;  ///< rows of beacons that were to be ignored
+  std::map<std::string, std::size_t> ignored;  ///< number of rows of ignored beacons
   std::size_t not_heard = 0;                   ///< rows without a distance, where no measurement was made
   std::vector<std::string> warnings;
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Private to io: what the mappings of tables and of bags have in common.
+// Private to io: common parts of the mappings of tables and bags.
 #pragma once
 
 #include <algorithm>
@@ -13,12 +13,12 @@
 
 namespace octant::io {
 
-/// `target=source`; the source is empty where there is no sign of equality.
+/// `target=source`; the source is empty without an equals sign.
 struct MappingWord {
   std::string_view whole, target, source;
 };
 
-/// The words of `a=b,c=d`, which live as long as these.
+/// Words of `a=b,c=d`; they are valid as long as the text.
 [[nodiscard]] inline std::vector<MappingWord> mapping_words(std::string_view words) {
   std::vector<MappingWord> found;
   while (!words.empty()) {
@@ -35,7 +35,7 @@ struct MappingWord {
   return std::ranges::find(ignored, name) != ignored.end();
 }
 
-/// The names under `ignore` of a mapping: a neighbour's beacons, which are left out and counted.
+/// Names under `ignore` of a mapping: beacons of a neighbour, whose rows are left out and counted.
 [[nodiscard]] inline std::vector<std::string> read_ignored(YamlMap& mapping, YamlLog& log) {
   std::vector<std::string> names;
   for (const YamlNode& name : mapping.list("ignore")) names.push_back(text_of(name, "ignore", log));

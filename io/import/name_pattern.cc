@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::size_t kMostStars = 8, kLongestPattern = 1024;
 
-/// Backtracking that never tries the same two places twice, so in time of pattern times text.
+/// Backtracking that never tries the same pair of positions twice; its time is proportional to pattern times
+/// text.
 class PatternMatch {
  public:
   PatternMatch(std::string_view pattern, std::string_view text, PatternNames& names)

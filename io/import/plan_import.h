@@ -55,8 +55,7 @@ struct RosMap {
 /// the map, counter-clockwise.
 [[nodiscard]] std::vector<std::vector<Eigen::Vector2d>> rectangles_of(const RosMap& map, RosMap::Cell kind);
 
-/// A costmap as map_server reads it back: grey values 0 to 255, row 0 the lowest, and the YAML that places
-/// it.
+/// A costmap for map_server: grey values 0 to 255, row 0 the lowest, and the YAML with its position.
 struct CostmapText {
   std::string pgm, yaml;
 };

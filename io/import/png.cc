@@ -16,7 +16,7 @@ Result<std::string> png_of(const std::vector<std::uint8_t>& rgba, std::size_t co
   image.format = PNG_FORMAT_RGBA;
   std::string file;
   png_alloc_size_t bytes = 0;
-  // Once for the size, once for the bytes.
+  // The first call computes the size, the second one writes the bytes.
   bool written = rgba.size() == 4 * columns * rows &&
                  png_image_write_to_memory(&image, nullptr, &bytes, 0, rgba.data(), 0, nullptr) != 0;
   if (written) {

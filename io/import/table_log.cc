@@ -149,7 +149,7 @@ class TableReader {
     return found;
   }
 
-  /// A number; 1,5 is one where commas do not part the cells.
+  /// A number; 1,5 is one unless commas separate the cells.
   bool number(std::string text, double& value) {
     if (out_.delimiter != ',' && std::ranges::count(text, ',') == 1 && text.find('.') == std::string::npos) {
       std::ranges::replace(text, ',', '.');

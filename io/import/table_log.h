@@ -10,12 +10,12 @@
 
 #include "models/support/result.h"
 
-// Any table of times of flight or distances as a tof.csv: `octant convert --columns`.
+// Conversion of a table of times of flight or distances to tof.csv: `octant convert --columns`.
 namespace octant::io {
 
-/// A column of tof.csv out of one of the table: target = factor * source + offset; ids are copied. Without a
-/// factor, the unit that the column's name states is converted (`timestamp_ms`, `Laufzeit [ms]`). Times may
-/// be dates (2026-06-11 11:33:48.686).
+/// Rule for a column of tof.csv: target = factor * source + offset; ids are copied. Without a factor, the
+/// unit at the end of the source's name is converted (`timestamp_ms`, `Laufzeit [ms]`). Times may be dates
+/// (2026-06-11 11:33:48.686).
 struct ColumnRule {
   std::string
       target;  ///< time_s, beacon, tof_s, distance_m, epoch, vehicle, receiver, amplitude_v, temperature_degC
@@ -28,7 +28,7 @@ struct ColumnRule {
 
 struct TableMapping {
   std::vector<ColumnRule> columns;
-  std::vector<std::string> ignore;  ///< beacons whose rows are left out, those of a neighbour
+  std::vector<std::string> ignore;  ///< beacons whose rows are left out, such as those of a neighbour
 };
 
 /// "time=timestamp_ms*1e-3,beacon=anchor,distance=distance_cm*1e-2". Targets may go without their unit.
@@ -51,7 +51,7 @@ struct TableMapping {
 struct ConvertedTable {
   std::string csv;  ///< of tof.csv
   std::size_t rows = 0, ignored = 0, dropped = 0;
-  std::size_t not_heard = 0;  ///< empty cells of columns of one beacon
+  std::size_t not_heard = 0;  ///< empty cells in columns of one beacon
   char delimiter = ',';
   bool decimal_comma = false;
   std::vector<std::string> warnings;

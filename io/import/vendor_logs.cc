@@ -44,7 +44,7 @@ class VendorRows {
     log.path = path;
   }
 
-  /// False: more names than there may be.
+  /// Returns false if there are too many names.
   bool add(double time_s, std::string_view beacon, double distance_m, std::string_view receiver = {}) {
     if (is_ignored(options_.ignore, beacon)) {
       ++log.ignored[std::string(beacon)];
@@ -94,7 +94,7 @@ Result<void> for_each_line(const std::string& path, const Row& row) {
   return {};
 }
 
-/// Receivers are named only where there are several.
+/// Removes the receiver's name if there is only one.
 void forget_the_only_receiver(ImportedLog& log) {
   int only = -1;
   for (const ImportedArrival& a : log.arrivals) {

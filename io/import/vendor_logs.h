@@ -14,8 +14,8 @@
 namespace octant::io {
 
 struct VendorLogOptions {
-  std::vector<std::string> ignore{};  ///< beacons whose rows are left out, those of a neighbour
-  std::optional<double> period_s{};   ///< DWM1001: between lines that bear no time
+  std::vector<std::string> ignore{};  ///< beacons whose rows are left out, such as those of a neighbour
+  std::optional<double> period_s{};   ///< DWM1001: time between lines without a time
 };
 
 /// Marvelmind's dashboard, CSV without a header (its operating manual, "CSV format"): UNIX time [ms] (older

@@ -36,7 +36,7 @@ std::string with_checksum(const std::string& body) {
 
 std::string time_of_day(double time_s) {
   constexpr double kDay_s = 86400.0;
-  // To the hundredth, cut off: 59.999 is not 60.
+  // Truncated to a hundredth, so that 59.999 does not become 60.
   double s = std::floor(100 * (time_s - kDay_s * std::floor(time_s / kDay_s))) / 100;
   s = std::min(s, kDay_s - 0.01);
   const int minutes = static_cast<int>(s / 60);

@@ -11,7 +11,7 @@
 
 namespace octant::io {
 
-// Lines to a listener, with their ends.
+// Lines for a listener, with their ends.
 
 /// {"type": "fix", "time_s": ..., "vehicle": ..., "status": "ok", "x_m": ..., ...}: the columns of fixes.csv
 /// and the quaternion; a pose only where there is one.

@@ -39,7 +39,7 @@ std::optional<std::string> live_name(const LiveObject& object, const char* key) 
   return std::nullopt;
 }
 
-/// Shortened, and with what does not print replaced: what came may be anything.
+/// Truncated, with characters that do not print replaced: the text may be anything.
 std::string printable_name(std::string_view name) {
   std::string text;
   for (const char c : name.substr(0, 40)) text += c >= ' ' && c <= '~' ? c : '?';

@@ -32,8 +32,8 @@ class LiveReader {
   LiveReader(LiveReader&&) noexcept;
   LiveReader& operator=(LiveReader&&) noexcept;
 
-  /// Errors (found, expected): any text that is no row, a name that the deployment does not have. Never
-  /// throws.
+  /// Parses a line. Errors (found, expected): text that is not a row, a name that the deployment does not
+  /// have. Never throws.
   [[nodiscard]] Result<LiveRow> row(std::string_view line) const;
 
  private:
@@ -47,7 +47,7 @@ class LineCutter {
  public:
   explicit LineCutter(std::size_t most = 65536) : most_(most) {}
 
-  /// Calls line(text) for each line that is complete, without its end, and too_long() for each that was too
+  /// Calls line(text) for each complete line, without its end, and too_long() for each line that was too
   /// long.
   template <class Line, class TooLong>
   void feed(std::string_view bytes, Line&& line, TooLong&& too_long) {
@@ -72,7 +72,7 @@ class LineCutter {
       bytes.remove_prefix(end + 1);
     }
   }
-  /// The stream has ended; a line without an end counts too.
+  /// Processes the end of the stream; a line without an end counts too.
   template <class Line, class TooLong>
   void end(Line&& line, TooLong&& too_long) {
     if (overlong_ || !begun_.empty()) feed("\n", line, too_long);

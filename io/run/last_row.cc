@@ -15,16 +15,16 @@ namespace octant::io {
 namespace {
 
 constexpr std::size_t kRowsCompared = 64;
-/// A writer that drops zeros at the end of numbers writes a last one that is shorter than n others at most
-/// once in n + 1 files.
+/// A writer that omits trailing zeros writes a last number that is shorter than n others in at most one of n
+/// + 1 files.
 constexpr std::size_t kRowsThatTell = 10;
-/// A file may be larger than the memory: no more is read than this, and lines are counted in files of no more
-/// than that.
+/// A file may be larger than the memory: at most this part of its end is read, and lines are counted only in
+/// files of at most that size.
 constexpr std::size_t kEndLookedAt = std::size_t{1} << 18, kLinesCounted = std::size_t{1} << 26;
 
 using Cells = std::vector<std::string_view>;
 
-/// Fields of a row. Quotes are left alone: a row that has some is not looked into.
+/// Fields of a row. A row with quotes is not examined.
 Cells cells_of_row(std::string_view row, bool by_blanks) {
   Cells cells;
   const std::string_view separators = by_blanks ? " \t\r" : ",;\t";
@@ -38,7 +38,7 @@ Cells cells_of_row(std::string_view row, bool by_blanks) {
   }
 }
 
-/// Whole rows above the last one that hold something, the nearest first.
+/// Complete rows with content above the last one, the nearest first.
 std::vector<Cells> rows_above(std::string_view text, bool by_blanks) {
   std::vector<Cells> rows;
   if (text.size() > kEndLookedAt)

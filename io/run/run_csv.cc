@@ -136,7 +136,7 @@ Result<void> parse_odometry(std::string_view text, const std::string& file, cons
   const int time = csv.require("time_s");
   const OdometryColumns columns(csv);
   const int vehicle = csv.find("vehicle");
-  // Each vehicle has a time of its own here: its rows are a chain of their own.
+  // The rows of each vehicle are a chain of their own, with their own order of time.
   std::vector<OrderWatch> order(names.names().vehicles.size(), OrderWatch(0, time, -1));
   std::vector<bool> begun(names.names().vehicles.size(), false);
   log.odometry.reserve(csv.rows_left_estimate());

@@ -36,7 +36,7 @@ Result<void> write_run(const std::string& folder, const MeasurementLog& log, con
     const char* name;
     std::string text;  // empty: not part of this run
   };
-  // run.yaml last: whoever watches the folder finds the rest complete.
+  // run.yaml is written last, so that a program that watches the folder finds the other files complete.
   const RunFile files[] = {{"tof.csv", log.arrivals.empty() ? "" : tof_to_csv(log, names)},
                            {"bearings.csv", log.bearings.empty() ? "" : bearings_to_csv(log, names)},
                            {"scans.csv", log.scans.empty() ? "" : scans_to_csv(log)},

@@ -12,7 +12,7 @@
 
 namespace octant::io {
 
-/// The files that a run folder gives meaning to.
+/// Files of a run folder.
 inline constexpr std::string_view kRunFiles[] = {"tof.csv",      "bearings.csv", "scans.csv",  "odometry.csv",
                                                  "odometry.tum", "poses.tum",    "points.csv", "truth.tum",
                                                  "truth.csv",    "run.yaml"};

@@ -9,13 +9,13 @@
 
 namespace octant::io {
 
-/// Who is named in a recording, before there is a site file that knows them.
+/// Names in a recording, before a site file defines them.
 struct RunIds {
   struct Vehicle {
     std::string name;                    ///< "robot" if rows have no name
     std::vector<std::string> receivers;  ///< empty if rows have no name
   };
-  std::vector<std::string> beacons;  ///< and reflectors; numbers within names in their order: B2 before B10
+  std::vector<std::string> beacons;  ///< and reflectors; sorted with numbers by value: B2 before B10
   std::vector<Vehicle> vehicles;     ///< at least one
   bool has_epochs = false;
   bool has_amplitudes = false;

@@ -17,7 +17,7 @@ struct Span {
   double first_s = 0.0, last_s = 0.0;
 };
 
-/// When each epoch of a vehicle was.
+/// Time span of each epoch of a vehicle.
 std::map<std::int64_t, Span> epochs_of(const MeasurementLog& log, VehicleId vehicle) {
   std::map<std::int64_t, Span> spans;
   const auto add = [&](const auto& rows) {
@@ -75,8 +75,8 @@ bool read_point(CsvReader& csv, const PointColumns& columns, const NameLookup& n
          read_sigma(csv, columns.heading_sigma, "heading_sigma_rad", point.heading_sigma_rad);
 }
 
-/// A run has one sigma for all its poses: the root of the mean square of those stated, with a warning where
-/// they differ by much.
+/// Sets the only sigma of a run's poses: the root mean square of the stated ones, with a warning if they
+/// differ by much.
 void set_sigma(const std::vector<Point>& points, double Point::*sigma, const char* name,
                const std::string& file, double& common, MeasurementLog& log) {
   double square = 0.0, least = INFINITY, most = 0.0;

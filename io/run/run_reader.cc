@@ -185,7 +185,7 @@ Result<void> RunReader::read_points(const char* name, const char* instead_of, st
   if (!text) return fail(text.error());
   if (!*text) return {};
   if (tof_) {
-    // The arrivals are yet to come, as a stream's do: all that can be said is that there are measured poses.
+    // The arrivals of a stream have not been read, so only the existence of measured poses is known.
     poses.resize(1);
     return {};
   }

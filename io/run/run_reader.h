@@ -22,10 +22,10 @@ class RunReader {
   RunReader(const std::string& folder, const NameTable& names, const Timing& timing,
             const ReadRunOptions& options);
 
-  /// The folder, run.yaml (it names the vehicle that the rows of the other files leave out) and the header of
+  /// Checks the folder, reads run.yaml (which names the vehicle of rows without a name) and the header of
   /// tof.csv.
   [[nodiscard]] Result<void> begin();
-  /// All of tof.csv into the log.
+  /// Reads all of tof.csv into the log.
   [[nodiscard]] Result<void> read_arrivals();
   /// Reads the next arrivals of tof.csv and replaces the content of `block`, which may stay empty. False at
   /// the end.
@@ -38,7 +38,7 @@ class RunReader {
 
   /// Position of the first row that next_arrivals() has not returned.
   [[nodiscard]] TofPosition position() const { return tof_ ? tof_->position() : end_; }
-  /// A guess at how many rows tof.csv has, rather too many.
+  /// Upper estimate of the number of rows of tof.csv.
   [[nodiscard]] std::size_t rows_estimate() const { return tof_ ? tof_->rows_estimate() : 0; }
   /// Appends the arrivals between two positions that position() returned to `arrivals`. Any thread may call
   /// it.
@@ -52,7 +52,7 @@ class RunReader {
   [[nodiscard]] std::string path(const char* name) const;
   [[nodiscard]] bool is_there(const std::string& file) const;
   [[nodiscard]] Result<void> check_folder() const;
-  /// A file of the folder, and what is read of it: all but a last row that is cut off.
+  /// A file of the folder, and the size of the part that is read: all but a truncated last row.
   struct RunFileText {
     MappedFile map;
     std::size_t size;

@@ -24,13 +24,13 @@ namespace octant::io {
 /// "a, b, c" of at most `most` items, with "... (n in all)" behind.
 [[nodiscard]] std::string listed(const std::vector<std::string>& items, std::size_t most = 8);
 
-/// The text without blanks and carriage returns around it.
+/// Text without surrounding blanks and carriage returns.
 [[nodiscard]] std::string_view without_blanks(std::string_view text);
-/// Takes the first line off a text; its newline is in neither.
+/// Removes the first line from a text and returns it, without its newline.
 std::string_view take_line(std::string_view& text);
 /// ASCII letters in lower case.
 [[nodiscard]] std::string lower_case(std::string_view text);
-/// A CSV field, in quotes where it needs them.
+/// A CSV field, in quotes if necessary.
 [[nodiscard]] std::string csv_field(std::string_view text);
 
 /// Shortest decimal text that reads back as the same double.
@@ -64,7 +64,7 @@ struct TextPosition {
 /// Errors: kBadInput with line and column where the text is not UTF-8 or holds a NUL.
 [[nodiscard]] Result<void> check_utf8(std::string_view text, const std::string& file);
 
-/// Values a number may take; `words` names them in messages ("a positive number").
+/// Allowed values of a number; `words` describes them in messages ("a positive number").
 struct NumberRange {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();

@@ -43,7 +43,7 @@ bool NameLookup::beacon(CsvReader& csv, int column, BeaconId& id) const {
                       csv.file(), in_quotes(name)));
 }
 
-/// The other names of the column that the site does not have, so that all can be mended at once.
+/// Other names in the column that are missing in the site, so that all can be corrected at once.
 std::string NameLookup::other_unknown_beacons(const CsvReader& csv, int column) const {
   constexpr std::size_t kMost = 12;
   CsvReader rest = csv;

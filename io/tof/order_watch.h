@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/: what the rows of a run must keep to from one to the next.
+// Private to io/: rules for consecutive rows of a run.
 
 #include <cstdint>
 #include <limits>
@@ -16,7 +16,7 @@
 
 namespace octant::io {
 
-/// Watches that time does not decrease and that each epoch is one block for each vehicle.
+/// Checks that time does not decrease and that each epoch is one block for each vehicle.
 class OrderWatch {
  public:
   OrderWatch(std::size_t vehicles, int time_column, int epoch_column);
@@ -51,7 +51,7 @@ class OrderWatch {
   int time_column_, epoch_column_;
   Times times_;
   std::vector<std::int64_t> current_;  // by vehicle
-  // By vehicle; millions of epochs that mostly come in increasing order are a few intervals.
+  // By vehicle. Millions of epochs in mostly increasing order are a few intervals.
   std::vector<boost::icl::interval_set<std::int64_t>> finished_;
 };
 

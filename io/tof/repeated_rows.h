@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/: rows of tof.csv that stand there twice.
+// Private to io/: repeated rows of tof.csv.
 
 #include <cstddef>
 #include <vector>
@@ -10,13 +10,14 @@
 
 namespace octant::io {
 
-/// Drops arrivals that repeat another one of the same time in everything but their line: a row that is
-/// written twice is one measurement. Follows the rows in the order of the file, which is that of their times.
+/// Removes arrivals that repeat another one of the same time in everything but their line: a row that is
+/// written twice is one measurement. Processes the rows in the order of the file, which is that of their
+/// times.
 class RepeatedRows {
  public:
-  /// Looks at the arrivals from `first` on, which follow those of the call before, and removes the repeated
+  /// Examines the arrivals from `first` on, which follow those of the previous call, and removes repeated
   /// ones.
-  /// @return  lines of those removed
+  /// @return  lines of the removed rows
   [[nodiscard]] std::vector<int> drop(std::vector<Arrival>& all, std::size_t first);
 
  private:

@@ -16,7 +16,7 @@
 
 namespace octant::io {
 
-/// Names in rows to ids. Views in it point into the NameTable, which must outlive it.
+/// Converts names in rows to ids. Its views point into the NameTable, which must outlive it.
 class NameLookup {
  public:
   explicit NameLookup(const NameTable& names);
@@ -72,15 +72,15 @@ struct RunHeader {
 [[nodiscard]] Result<void> parse_scans(std::string_view text, const std::string& file, double range_max_m,
                                        MeasurementLog& log);
 
-/// Poses measured by hand, one an epoch (points.csv, truth.csv): the same pose at the epoch's first and last
-/// instant, in the order of time; to be interpolated over no more than an epoch, which is what `accuracy`
-/// says then. Its sigmas are those of the rows, where they have some. Needs the log's arrivals and bearings.
-/// Errors: those of the rows; a run without epochs.
+/// Poses measured by hand, one for each epoch (points.csv, truth.csv): the same pose at the first and at the
+/// last time of the epoch, in the order of time. `accuracy` limits their interpolation to an epoch, and has
+/// the sigmas of the rows if they are stated. Needs the log's arrivals and bearings. Errors: those of the
+/// rows; a run without epochs.
 [[nodiscard]] Result<std::vector<TimedPose>> parse_points(std::string_view text, const std::string& file,
                                                           const NameLookup& names, MeasurementLog& log,
                                                           PoseAccuracy& accuracy);
 
-// The texts that write_run writes.
+// Texts of the files of write_run().
 [[nodiscard]] std::string run_to_yaml(const MeasurementLog& log, const NameTable& names);
 [[nodiscard]] std::string tof_to_csv(const MeasurementLog& log, const NameTable& names);
 [[nodiscard]] std::string bearings_to_csv(const MeasurementLog& log, const NameTable& names);

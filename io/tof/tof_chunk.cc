@@ -40,7 +40,7 @@ struct TofChunkParser::Cursor {
     while (*end == '.') end = text + *marks++;
   }
   [[nodiscard]] std::string_view cell() const {
-    // No blank is above a space, and hardly anything else is not.
+    // All blanks are at most a space, and hardly any other character is.
     const bool plain =
         begin != end && static_cast<unsigned char>(*begin) > ' ' && static_cast<unsigned char>(end[-1]) > ' ';
     return plain ? std::string_view(begin, static_cast<std::size_t>(end - begin)) : trimmed(begin, end);
@@ -175,7 +175,8 @@ void TofChunkParser::parse(std::string_view chunk, TofChunk& out) {
     chunk = std::string_view(out.copy).substr(kBeforeNumber);
   }
   marks_.find(chunk);
-  // Quotes may hide commas and newlines. A piece without one is a piece at whose seams rows begin and end.
+  // Quotes may contain commas and newlines. In a text without quotes, rows begin and end at the seams of its
+  // pieces.
   if (marks_.has_quote || marks_.has_nul || (marks_.has_high && !is_utf8(chunk))) return;
   epoch_of_vehicle_.assign(names_->names().vehicles.size(), kNoEpoch);
   Cursor cursor{.text = chunk.data(),

@@ -31,16 +31,16 @@ struct TofChunk {
   /// All rows were read. Otherwise the other members are invalid, because of an error or an unusual form
   /// (quotes), and read_tof_row() must read the piece.
   bool regular = false;
-  std::vector<Arrival> arrivals;  ///< behind those that were there before
+  std::vector<Arrival> arrivals;  ///< appended to the existing ones
   std::vector<RefusedRow> refused;
-  std::vector<EpochBegin> epochs;  ///< each time a vehicle's epoch differs from that of its row before
+  std::vector<EpochBegin> epochs;  ///< each change of a vehicle's epoch from one row to the next
   std::size_t rows = 0;            ///< refused ones included
   int lines = 0;
   double first_time_s = 0.0, last_time_s = 0.0;  ///< first and last time of all rows, which do not decrease
   std::string copy;                              ///< copy of a piece without a final newline
 };
 
-/// Reads pieces of one file; each thread has one of its own.
+/// Parses pieces of one file; each thread has its own.
 class TofChunkParser {
  public:
   TofChunkParser(std::size_t columns_in_file, const TofColumns& columns, const NameLookup& names,

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/: the columns of tof.csv that people fill.
+// Private to io/: columns of tof.csv.
 
 #include <array>
 #include <string_view>
@@ -9,7 +9,7 @@
 namespace octant::io {
 
 struct TofColumn {
-  std::string_view name, short_name;  ///< short: on the left of `octant convert --columns`
+  std::string_view name, short_name;  ///< short name: target of `octant convert --columns`
   bool is_id = false;                 ///< no unit
 };
 inline constexpr std::array<TofColumn, 9> kTofColumns = {{{"time_s", "time", false},

@@ -71,7 +71,8 @@ Error TofReader::text_error(const Error& otherwise) const {
   return ok ? otherwise : ok.error();
 }
 
-/// The first line that begins at an offset of the body or behind it; kNoSeam within a line that never ends.
+/// Offset of the first line that begins at or after an offset of the body; kNoSeam within a line without an
+/// end.
 std::size_t TofReader::seam(std::size_t offset) const {
   if (offset <= body_) return body_;
   if (offset >= text_.size()) return text_.size();

@@ -27,12 +27,13 @@ struct TofPosition {
 struct TofReaderOptions {
   int threads = 1;
   std::size_t chunk_bytes =
-      std::size_t{1} << 17;  ///< a piece that a thread parses at once; with its rows it stays in its cache
-  bool general_way = false;  ///< row by row from the beginning: what all else is measured against
+      std::size_t{1}
+      << 17;  ///< size of a piece, which fits into the cache of a thread together with its rows
+  bool general_way = false;  ///< read row by row from the beginning; the reference of the other methods
   /// Reads only the rows from this position of a file that has been read before; text and digest are not
   /// checked again.
   std::optional<TofPosition> from = {};
-  /// The rows up to an offset at which one begins (or the end); the digest is of the whole file all the same.
+  /// Reads the rows up to an offset at which a row begins (or the end); the digest is that of the whole file.
   std::size_t to = std::string_view::npos;
   DistanceAsTime distance = {};
 };
@@ -50,10 +51,10 @@ class TofReader {
   TofReader(const TofReader&) = delete;
   TofReader& operator=(const TofReader&) = delete;
 
-  /// To be called first. Errors: those of the header.
+  /// Must be called first. Errors: those of the header.
   [[nodiscard]] Result<void> read_header();
   [[nodiscard]] bool has_epochs() const { return columns_->epoch >= 0; }
-  /// A guess at how many rows there are, rather too many.
+  /// Upper estimate of the number of rows.
   [[nodiscard]] std::size_t rows_estimate() const;
 
   /// Appends the arrivals of the next rows, in the order of the file, to `all`: those of a piece, or some

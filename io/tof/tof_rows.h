@@ -46,7 +46,7 @@ struct TofColumns {
   return std::isnan(temperature_degC) || std::abs(temperature_degC) <= 100.0;
 }
 
-/// Why a row is no measurement.
+/// Reason why a row is not a measurement.
 enum class Refusal { kNone, kEmpty, kNotANumber, kNotPositive, kTooLarge, kRepeated };
 /// Negative times are legal where the receiver's clock has an unknown offset.
 [[nodiscard]] inline Refusal refusal_of(std::string_view text, double tof_s, Clock clock) {

@@ -97,7 +97,7 @@ class YamlBuilder {
   struct Anchor {
     std::uint32_t index = 0;
     std::size_t values = 0;  ///< number of values of an alias
-    bool open = true;        ///< its end has not come yet
+    bool open = true;        ///< its end has not been read yet
   };
   struct Open {
     std::uint32_t index = 0;

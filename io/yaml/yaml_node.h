@@ -41,7 +41,7 @@ class YamlNode {
   /// A list or mapping in brackets.
   [[nodiscard]] bool is_flow() const;
 
-  /// From 1; 0 where there is no value.
+  /// From 1; 0 for an undefined value.
   [[nodiscard]] int line() const;
   [[nodiscard]] int column() const;
 

@@ -250,14 +250,14 @@ void YamlMap::fail(std::string_view key, std::string found, std::string expected
 
 void YamlMap::fail_missing(std::string_view key, const std::string& expected) {
   if (const KeyValue* entry = find(key); entry != nullptr) {
-    // A null has no place of its own.
+    // A null value has no position of its own.
     return log_.fail(entry->key_node, fmt::format("{} has no value", in_quotes(path(key))), expected);
   }
   std::vector<std::string> unknown;
   for (const KeyValue& entry : entries_) {
     if (!entry.known) unknown.push_back(entry.key);
   }
-  // A key that is there in another spelling is what is most likely wrong.
+  // An existing key in another spelling is the most likely mistake.
   const std::string hint = suggestion(key, unknown);
   const std::string advice = hint.starts_with("did") ? "misspelt? the file says" + hint.substr(12) : "";
   log_.fail(node_, fmt::format("{} is missing", in_quotes(path(key))), expected, advice);

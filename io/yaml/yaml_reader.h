@@ -150,7 +150,7 @@ class YamlMap {
   YamlLog& log_;
   bool present_ = false;
   std::vector<KeyValue> entries_;
-  std::vector<std::string> asked_;  ///< keys that getters asked for: what an unknown key may have meant
+  std::vector<std::string> asked_;  ///< requested keys: what an unknown key may have meant
 };
 
 /// The `version_key: 1` at the head of a file. Errors: missing, or another version, with the line.

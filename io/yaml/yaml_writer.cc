@@ -123,8 +123,7 @@ constexpr OddCharacter kOdd[] = {{"\xE2\x80\xA8", "\\u2028"},
                                  {"\xEF\xBF\xBE", "\\uFFFE"},
                                  {"\xEF\xBF\xBF", "\\uFFFF"}};
 
-/// The escape of the character that a text begins with, and how many bytes it takes; 0: it may stand as it
-/// is.
+/// Escape of the first character of a text, and its number of bytes; 0: no escape is needed.
 std::size_t escape_odd(std::string_view text, std::string& out) {
   // C1 control characters, U+0080 to U+009F.
   if (text.size() >= 2 && text[0] == '\xC2' && static_cast<unsigned char>(text[1]) < 0xA0) {

@@ -35,7 +35,7 @@ class YamlWriter {
   std::unique_ptr<Emitter> emitter_;
 };
 
-/// A name as a YAML scalar: plain where every YAML reader takes it for a text, in double quotes otherwise
+/// A name as a YAML scalar: plain if every YAML reader interprets it as a text, otherwise in double quotes
 /// ("no", "1e5", "a: b").
 [[nodiscard]] std::string yaml_text(std::string_view text);
 

@@ -46,13 +46,13 @@ struct ControlChart {
   std::optional<Drift> drift;  ///< by two values since the last step or more, a week apart or more
 };
 
-/// A control chart of recursive residuals: each value against the weighted mean of those before it. While
-/// nothing changes these are independent and N(0, 1) whatever the sigmas (Brown, Durbin, Evans, JRSS B 37,
-/// 1975), and so are what a self-starting CUSUM wants (Hawkins, JQT 19, 1987): no value is taken for the
-/// truth because it is the first. After an alarm the chart begins anew at the first point of the new level.
+/// A control chart of recursive residuals: each value is compared with the weighted mean of those before it.
+/// Without a change, the residuals are independent and N(0, 1) for any sigmas (Brown, Durbin, Evans, JRSS B
+/// 37, 1975), as a self-starting CUSUM requires (Hawkins, JQT 19, 1987): the first value is not assumed to be
+/// the truth. After an alarm, a new chart begins at the first point of the new level.
 /// @param values           by time; sigmas of independent errors
 /// @param k, h             of the cumulative sums (models/watch/cusum.h)
-/// @param smallest_sigma   what a change is measured by where both values are held fixed (surveyed places)
+/// @param smallest_sigma   unit of a change if both values are fixed (surveyed positions)
 [[nodiscard]] ControlChart control_chart(const std::vector<TrendValue>& values, double k, double h,
                                          double smallest_sigma);
 
