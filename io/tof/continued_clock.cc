@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "io/text/text.h"
+#include "io/text/time_text.h"
 
 namespace octant::io {
 namespace {
@@ -65,7 +66,10 @@ std::optional<std::string> ContinuedClock::note(const std::string& file) const {
 }
 
 void TimeUnitCheck::add(double time_s) {
-  if (!whole_) return;
+  if (!whole_) {
+    last_s_ = time_s;
+    return;
+  }
   whole_ = time_s == std::floor(time_s);
   const double step_s = time_s - last_s_;
   if (begun_ && step_s >= 1.0) {
@@ -79,22 +83,28 @@ void TimeUnitCheck::add(double time_s) {
 }
 
 std::optional<std::string> TimeUnitCheck::note(const std::string& file) const {
-  if (!whole_ || steps_ < kLeastSteps || last_s_ - first_s_ < kDay_s) return std::nullopt;
-  std::size_t decade = 0;
-  for (std::size_t below = by_decade_[0]; 2 * below < steps_; below += by_decade_[++decade]) continue;
-  double step_s = std::pow(10.0, static_cast<double>(decade));
-  if (step_s < kLongestWait_s) return std::nullopt;
-  constexpr const char* kUnits[] = {"milliseconds", "microseconds", "nanoseconds"};
-  std::size_t unit = 0;
-  for (step_s *= 1e-3; step_s >= kLongestWait_s && unit < 2; ++unit) step_s *= 1e-3;
-  return fmt::format(
-      "{}: time_s holds whole numbers, most of which are {} or more apart, and covers {:.3g} days: these "
-      "seem to "
-      "be {}; seconds are expected. Divide time_s by {}, here and in the other files of the recording",
-      file, exact(std::pow(10.0, static_cast<double>(decade))), (last_s_ - first_s_) / kDay_s, kUnits[unit],
-      unit == 0   ? "1000"
-      : unit == 1 ? "1e6"
-                  : "1e9");
+  static constexpr const char* kUnits[] = {"milliseconds", "microseconds", "nanoseconds"};
+  const auto advice = [](std::size_t of) {
+    return fmt::format(
+        "these seem to be {}; seconds are expected. Divide time_s by 1e{}, here and in the other files "
+        "of the recording",
+        kUnits[of], 3 * (of + 1));
+  };
+  std::size_t unit = 0, decade = 0;
+  if (whole_ && steps_ >= kLeastSteps && last_s_ - first_s_ >= kDay_s) {
+    for (std::size_t below = by_decade_[0]; 2 * below < steps_; below += by_decade_[++decade]) continue;
+    const double step_s = std::pow(10.0, static_cast<double>(decade));
+    if (step_s < kLongestWait_s) return std::nullopt;
+    while (unit < 2 && step_s * std::pow(1e-3, static_cast<double>(unit) + 1.0) >= kLongestWait_s) ++unit;
+    return fmt::format(
+        "{}: time_s has whole numbers over {:.3g} days, most of which are {} or more apart: {}", file,
+        (last_s_ - first_s_) / kDay_s, exact(step_s), advice(unit));
+  }
+  const double stamp = last_s_ / seconds_of_stamp(last_s_);
+  if (!(stamp > 1.0) || stamp > 1e10) return std::nullopt;
+  while (unit < 2 && stamp > std::pow(1e3, static_cast<double>(unit) + 1.5)) ++unit;
+  return fmt::format("{}: time_s reaches {}, more than any time stamp in seconds: {}", file, exact(last_s_),
+                     advice(unit));
 }
 
 }  // namespace octant::io

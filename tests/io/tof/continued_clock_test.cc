@@ -72,6 +72,14 @@ TEST(TimeUnitCheck, NamesTheUnitOfWholeNumbers) {
   EXPECT_THAT(unit_of(7, 17, 10000), HasSubstr("milliseconds"));
   EXPECT_THAT(unit_of(0, 50000, 4000), HasSubstr("microseconds"));
   EXPECT_THAT(unit_of(0, 5e7, 4000), HasSubstr("nanoseconds"));
+  EXPECT_THAT(unit_of(1.7e18, 5e7, 4000), HasSubstr("nanoseconds"));
+}
+
+TEST(TimeUnitCheck, NamesTheUnitOfStamps) {
+  EXPECT_THAT(unit_of(1.7e12, 0.5, 4), HasSubstr("milliseconds"));
+  EXPECT_THAT(unit_of(1.7e15, 3, 4), HasSubstr("microseconds"));
+  EXPECT_THAT(unit_of(1.7e18, 512, 4), HasSubstr("nanoseconds"));
+  EXPECT_EQ(unit_of(1.7e9, 0.5, 4), "") << "seconds since 1970";
 }
 
 TEST(TimeUnitCheck, SecondsStay) {
