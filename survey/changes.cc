@@ -38,8 +38,8 @@ const DeploymentBeacon* find(const Deployment& d, const std::string& name) {
   return at == d.beacons.end() ? nullptr : &*at;
 }
 
-/// A list of words such as "control points, medium, odometry" without odometry, which fixes no frame and no
-/// datum of a site.
+/// Removes odometry from a list such as "control points, medium, odometry", because it defines neither a
+/// frame nor a datum.
 std::string without_odometry(const std::string& words) {
   std::string kept;
   for (std::size_t from = 0; from <= words.size();) {
@@ -60,7 +60,7 @@ bool same_frame(const Datum& a, const Datum& b) {
          without_odometry(a.scale) == without_odometry(b.scale);
 }
 
-/// A delay that the deployments have each of a beacon's own.
+/// Probability of a change of delay by chance, if both deployments have a delay for each beacon.
 std::optional<double> chance_of_delay(const Deployment& before, const Deployment& now,
                                       const BeaconChange& c) {
   if (!before.timing.delay_per.beacon || !now.timing.delay_per.beacon || !(c.delay_sigma_s > 0)) return {};

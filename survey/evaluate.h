@@ -16,7 +16,7 @@
 
 namespace octant::survey {
 
-/// A limit that a figure must keep.
+/// A limit for a figure.
 struct Gate {
   std::string name;  ///< "fix_m": position RMSE; "matched": how many fixes the reference covers (at least)
   double limit = 0.0;
@@ -93,8 +93,8 @@ struct BeaconError {
   std::string name;
   double error_m = 0.0;
 };
-/// Beacons that were solved for; control points, undetermined ones and those that the reference does not name
-/// are left out.
+/// Estimated beacons; control points, undetermined ones and those that are missing in the reference are left
+/// out.
 [[nodiscard]] std::vector<BeaconError> beacon_errors(const Deployment& deployment,
                                                      const Deployment& reference);
 

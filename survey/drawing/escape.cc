@@ -63,8 +63,8 @@ std::string escape_markdown(const std::string& text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     if (i == mark) safe += '\\';
-    // HTML inside Markdown is HTML, so its characters go as entities; the rest is what Markdown gives a
-    // meaning.
+    // HTML in Markdown is interpreted, so its characters become entities; other characters are escaped for
+    // Markdown.
     if (c == '&' || c == '<' || c == '>')
       append_markup(c, safe);
     else if (c == '\n' || c == '\r')
@@ -78,7 +78,7 @@ std::string escape_markdown(const std::string& text) {
 }
 
 std::string escape_script_json(const std::string& json) {
-  // These stand only inside JSON's strings, where an escape means the same.
+  // These characters occur only inside JSON strings, where an escape has the same meaning.
   std::string safe;
   safe.reserve(json.size());
   for (const char c : json) {

@@ -121,7 +121,7 @@ Json map_trace(const NamedMap& map, std::size_t layer) {
   return trace;
 }
 
-/// Beacons of a status with all that is known of each when the reader points at it.
+/// Beacons of a status, with their details when the reader points at them.
 Json beacon_trace(const Deployment& d, BeaconStatus status, const std::string& name, double size,
                   bool space) {
   const bool control = status == BeaconStatus::kControlPoint;

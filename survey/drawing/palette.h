@@ -7,10 +7,11 @@
 
 namespace octant::survey {
 
-/// Inside the tolerance (three), near it, beyond it (three); darker is worse, for eyes that see no red.
+/// Colours inside the tolerance (three), near it, beyond it (three). Darker is worse, for readers who do not
+/// see red.
 inline constexpr std::array<const char*, 7> kToleranceColours = {"#d9f0d3", "#b2dfa5", "#8cc97d", "#f6b53c",
                                                                  "#e8713c", "#bf2f2f", "#6b0f1a"};
-/// Where those classes end, as parts of the tolerance.
+/// Ends of these classes, as fractions of the tolerance.
 inline constexpr std::array<double, 6> kToleranceParts = {0.25, 0.5, 0.75, 1.0, 1.5, 2.0};
 /// Cividis (Nunez, Anderton, Renslow 2018): the same to all kinds of colour vision, and ascending in grey.
 /// Low values are dark.

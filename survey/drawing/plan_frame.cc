@@ -49,7 +49,7 @@ PlanFrame plan_frame(const PlanInput& input) {
   PlanFrame frame;
   if (const Eigen::AlignedBox2d box = bounds_of(points); !box.isEmpty())
     frame.low_m = box.min(), frame.high_m = box.max();
-  // Room around it, and a shape that neither a corridor nor a mast makes absurd.
+  // A margin, and limits of the aspect ratio for corridors and masts.
   const Eigen::Vector2d middle = (frame.low_m + frame.high_m) / 2;
   Eigen::Vector2d size = (frame.high_m - frame.low_m) * 1.12;
   size = size.cwiseMax(Eigen::Vector2d::Constant(std::max(1.0e-3, 0.3 * size.maxCoeff())));

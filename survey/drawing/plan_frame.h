@@ -28,7 +28,7 @@ struct PlanFrame {
   [[nodiscard]] double extent_m() const { return (high_m - low_m).maxCoeff(); }
 };
 
-/// Around all that is drawn.
+/// Frame around all drawn objects.
 [[nodiscard]] PlanFrame plan_frame(const PlanInput& input);
 
 /// One map as a layer, with the legend of its classes at height y.

@@ -6,7 +6,7 @@
 
 namespace octant::survey {
 
-/// plotly.js (MIT, Plotly Inc.), minified, gzip, in base64; empty where it was not at hand when the program
+/// plotly.js (MIT, Plotly Inc.), minified, gzip, in base64; empty if it was not available when the program
 /// was built.
 [[nodiscard]] std::string_view plotly_js();
 [[nodiscard]] std::string_view plotly_js_version();

@@ -144,7 +144,7 @@ void draw_beacons(std::string& svg, const Deployment& deployment, const PlanFram
   }
 }
 
-/// From where a beacon hung to where it hangs, drawn larger.
+/// Arrows from the earlier to the present position of a beacon, magnified.
 void draw_moves(std::string& svg, const PlanInput& input, const PlanFrame& frame) {
   const double scale_px = move_exaggeration(input, frame.extent_m()) * frame.px_per_m;
   for (const PlanMove& move : input.moves) {
@@ -171,8 +171,8 @@ const char* miss_class(const PlanMiss& miss) {
                                                             : "miss other";
 }
 
-/// Lines from where the vehicle was to the beacon whose arrivals were left out there, and a disc for each
-/// such place, its area by their number.
+/// Lines from the vehicle to the beacons whose arrivals were left out there, and a disc for each such
+/// position with an area proportional to their number.
 void draw_misses(std::string& svg, const PlanInput& input, const PlanFrame& frame) {
   struct MissPlace {
     Eigen::Vector2d at_m;
@@ -201,7 +201,7 @@ void draw_misses(std::string& svg, const PlanInput& input, const PlanFrame& fram
         place.count, place.at_m.x(), place.at_m.y());
 }
 
-/// The beacon that is out of work while a map is shown.
+/// The beacon that fails in the map that is shown.
 void draw_silent(std::string& svg, const PlanInput& input, const PlanFrame& frame) {
   for (std::size_t k = 0; k < input.maps.size(); ++k) {
     const DeploymentBeacon* beacon = drawn_beacon(input.deployment, input.maps[k].silent_beacon);
@@ -212,7 +212,7 @@ void draw_silent(std::string& svg, const PlanInput& input, const PlanFrame& fram
   }
 }
 
-/// @return the height that it took
+/// @return  its height
 double draw_legend(std::string& svg, const PlanInput& input, const PlanFrame& frame,
                    const std::string& last_line) {
   double x = kPlanMargin_px, y = frame.height_px + 4;
@@ -327,7 +327,7 @@ std::string site_plan_svg(const PlanInput& input) {
 }
 
 std::string elevation_svg(const PlanInput& input) {
-  // The longer side of the site is the one to look at.
+  // The side view shows the longer side of the site.
   const PlanFrame plan = plan_frame(input);
   const Eigen::Vector2d size = plan.high_m - plan.low_m;
   const int along = size.y() > size.x() ? 1 : 0;

@@ -18,7 +18,7 @@ namespace octant::survey {
 /// freedom.
 inline constexpr double kEllipse95 = 2.4477;
 
-/// Where a vehicle was, in the map: stations of a stop-and-go run, or the course of a drive.
+/// Positions of a vehicle in the map: stops of a stop-and-go run, or the course of a drive.
 struct Track {
   bool moving = false;
   std::vector<Eigen::Vector3d> points_m;
@@ -84,8 +84,8 @@ inline constexpr std::size_t kMostNamed = 300;
 /// 2 or 5 times a power of ten, at least 1.
 [[nodiscard]] double ellipse_exaggeration(const Deployment& deployment, double plan_extent_m);
 
-/// By how much moves are drawn larger than they are: as ellipses if the longest is then at most a tenth of
-/// the plan, else less.
+/// Magnification of shifts: that of the ellipses if the longest shift is then at most a tenth of the plan,
+/// otherwise less.
 [[nodiscard]] double move_exaggeration(const PlanInput& input, double plan_extent_m);
 
 /// Plan of a site as a self-contained SVG: grid in metres, maps, area, walls, routes, tracks, fixes, beacons

@@ -79,9 +79,9 @@ struct MapOptions {
 [[nodiscard]] std::vector<std::vector<std::uint8_t>> heard_at(const SurveyModel& model, const PoseList& poses,
                                                               int threads = 1);
 
-/// The cheap way for whoever tries many sets of beacons over the same poses: a layer for each candidate once,
-/// then sums.
-/// @param beacon  any beacon, of the model or not; walls, receivers, hearing and noise are the model's
+/// Information layers, for searches over many sets of beacons at the same poses: a layer for each candidate
+/// once, then sums.
+/// @param beacon  any beacon, of the model or not; walls, receivers, hearing and noise are those of the model
 [[nodiscard]] BeaconLayer beacon_layer(const SurveyModel& model, const SurveyBeacon& beacon,
                                        const PoseList& poses, int threads = 1);
 

@@ -146,8 +146,8 @@ class Tile {
     if (integrity) protect(at, C, sound, kept, end, out);
   }
 
-  /// Each beacon at fault in its turn: a bias of all its ranges that the others would just not notice, and
-  /// what it does.
+  /// For each beacon in turn: the largest common bias of its ranges that the others do not detect, and its
+  /// effect.
   static HWY_INLINE void protect(std::size_t at, const V* C, Mask sound, const double* kept,
                                  const double* end, KernelFigures& out) {
     const std::size_t lanes = lanes_at_once();

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// Room that a tile's receivers take.
+/// Extent of a tile's receivers.
 struct TileBox {
   Vector2d low = Vector2d::Constant(1e300), high = Vector2d::Constant(-1e300);
   double bottom_m = 1e300, top_m = -1e300;
@@ -52,7 +52,7 @@ TileBox box_of(const KernelModel& kernel, const KernelTile& tile) {
     box.bottom_m = std::min(box.bottom_m, tile.z_m[i] + low),
     box.top_m = std::max(box.top_m, tile.z_m[i] + high);
   }
-  // A hair more than it is, so that rounding leaves no path out.
+  // Slightly larger, so that rounding excludes no path.
   const double room = lever + 1e-9 * (1.0 + box.low.cwiseAbs().maxCoeff() + box.high.cwiseAbs().maxCoeff());
   box.low.array() -= room, box.high.array() += room;
   return box;
@@ -65,8 +65,8 @@ double distance_m(const TileBox& box, const KernelTransducer& beacon) {
   return std::hypot(gap.x(), gap.y(), dz);
 }
 
-/// Some line parts the wall from all paths between beacon and box: the wall's own, the box' sides, or one
-/// through the beacon that touches the box.
+/// A line separates the wall from all paths between beacon and box: the wall's own, the sides of the box, or
+/// one through the beacon that touches the box.
 bool cannot_stand_between(const WallPiece& wall, const Vector2d& beacon,
                           const std::array<Vector2d, 4>& corners, const TileBox& box) {
   const Vector2d low = box.low.cwiseMin(beacon), high = box.high.cwiseMax(beacon);

@@ -6,13 +6,13 @@
 
 namespace octant::survey {
 
-/// A unit in which numbers of a size are read with ease.
+/// A unit in which numbers of a size are easy to read.
 struct Unit {
   double per_si = 1.0;  ///< times the SI value
   std::string name;     ///< in ASCII, for terminals and files: "us"
   std::string symbol;   ///< as printed: "µs"
 };
-/// A number as people write it: three digits that count, and all digits before the point.
+/// A number with three significant digits, and all digits before the point.
 [[nodiscard]] std::string three_digits(double value);
 /// s, ms, us or ns.  @param largest_s  largest magnitude of the column
 [[nodiscard]] Unit time_unit(double largest_s);

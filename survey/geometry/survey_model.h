@@ -69,8 +69,8 @@ struct Unknowns {
   [[nodiscard]] int entries() const { return count() * (count() + 1) / 2; }
 };
 
-/// All that decides what a geometry is worth, in one flat value; changing a beacon in it is changing the
-/// geometry.
+/// Everything that determines the quality of a geometry, as one plain value; changing a beacon in it changes
+/// the geometry.
 struct SurveyModel {
   std::string name;
   Motion motion = Motion::kPlanar;

@@ -11,7 +11,7 @@
 
 namespace octant::survey {
 
-/// What one beacon's, or two beacons', failure costs over all poses: cells times headings.
+/// Loss by the failure of one or two beacons over all poses: cells times headings.
 struct Loss {
   std::size_t first = 0, second = kNone;  ///< beacons; second: kNone where one fails
   std::size_t poses_out = 0;              ///< covered before, out of tolerance (or without a fix) after
@@ -21,8 +21,9 @@ struct Loss {
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 };
 
-/// Counts failures, tile by tile, by taking a beacon's information away from the sum. One for each thread;
-/// merged at the end. Counts are whole numbers, so that the result does not depend on who took which tile.
+/// Counts failures, tile by tile, by subtracting a beacon's information from the sum. One object for each
+/// thread, merged at the end. Counts are integers, so the result does not depend on the distribution of
+/// tiles.
 class LossAccount {
  public:
   /// @param at_once  how many may fail together: 0, 1 or 2
@@ -39,7 +40,7 @@ class LossAccount {
 
   /// Single beacons, all of them, the one that matters most first.
   [[nodiscard]] std::vector<Loss> singles() const;
-  /// Pairs that do harm, worst first, at most `most`.
+  /// Pairs with a loss, worst first, at most `most`.
   [[nodiscard]] std::vector<Loss> pairs(std::size_t most) const;
 
  private:

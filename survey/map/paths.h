@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to survey/: one path at a time, for what is not done in vector lanes.
+// Private to survey/: single paths, for computations outside the SIMD kernels.
 
 #include <vector>
 

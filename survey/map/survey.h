@@ -36,7 +36,7 @@ struct FloorMap {
   std::string title;  ///< for people: "expected standard deviation"
   std::string unit;   ///< "m", "rad", "" for plain numbers
   bool low_is_bad = false;
-  std::optional<double> limit;  ///< beyond it (below, where low is bad) a cell does not do
+  std::optional<double> limit;  ///< limit beyond which (below, if low values are bad) a cell does not pass
   std::vector<float> values;
   Spread spread;
 };
@@ -83,8 +83,9 @@ struct Survey {
   }
 };
 
-/// Looks at every cell and along every route. @param deployment  the model's, for the calibration's part;
-/// null: a site that is not calibrated yet. Errors: those of make_floor_grid.
+/// Evaluates every cell and every route.
+/// @param deployment  that of the model, for the calibration's part; null: the site is not calibrated yet
+/// Errors: those of make_floor_grid.
 [[nodiscard]] Result<Survey> run_survey(const SurveyModel& model, const Scene& scene,
                                         const Deployment* deployment, const SurveyOptions& options = {});
 

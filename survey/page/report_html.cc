@@ -20,7 +20,7 @@ const char* class_of(Tone tone) {
   return kNames[tone];
 }
 
-/// Ids come from us and from names of quantities, so that a blank is all that could be wrong with them.
+/// Ids come from the program and from names of quantities, so only blanks must be replaced.
 std::string id_of(std::string id) {
   std::ranges::replace(id, ' ', '-');
   return escape_xml(id);
@@ -47,7 +47,7 @@ std::string running(const std::string& text) {
   return out;
 }
 
-/// Colour is never alone: what is not kept has a mark of its own too.
+/// Colour is never the only sign: a failed gate also has a mark.
 std::string marked(const ReportText& cell) {
   const char* mark = cell.tone == Tone::kGood ? "&#10003; " : cell.tone == Tone::kBad ? "&#10007; " : "";
   return mark + running(cell.text);

@@ -12,7 +12,7 @@ namespace octant::survey {
 namespace {
 
 constexpr double kNearlyAll = 0.99;
-/// A beacon's failure that takes this share of the floor out of tolerance is worth a word.
+/// Fraction of the floor beyond the tolerance from which the failure of a beacon is mentioned.
 constexpr double kMuchLost = 0.05;
 
 /// Where a fix is one of two places.
@@ -78,7 +78,8 @@ std::vector<std::string> steps_of(const Survey& s, Grade grade) {
 SurveyVerdict survey_verdict(const Survey& s) {
   SurveyVerdict v;
   if (s.model.tolerance.fix_m) {
-    // Beacons that count everywhere make any floor look well covered; what fails even so is no good.
+    // Beacons that are assumed to be received everywhere make any floor look well covered; failures despite
+    // that are serious.
     v.grade = s.covered_fraction < kNearlyAll ? Grade::kPoor
               : reach_is_known(s)             ? Grade::kGood
                                               : Grade::kUnjudged;

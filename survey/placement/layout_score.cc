@@ -12,9 +12,9 @@ namespace octant::survey {
 namespace {
 
 constexpr double kP95 = 0.95;
-constexpr double kVagueM = 20.0;  ///< sigma of the vague idea: position and clock
+constexpr double kVagueM = 20.0;  ///< sigma of the weak prior: position and clock
 constexpr double kVagueRad = 1.0;
-constexpr double kSoftPower = 8.0;  ///< soft() has it in multiplications
+constexpr double kSoftPower = 8.0;  ///< soft() uses multiplications for it
 
 double quantile_in_place(std::vector<double>& values, double share) {
   const auto at =

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to survey/: what a set of beacons is worth over some poses, many thousand times.
+// Private to survey/: score of a set of beacons over some poses, evaluated many thousand times.
 
 #include <cstdint>
 #include <span>
@@ -64,7 +64,7 @@ class LayoutScore {
   double hopeless_m_ = 1.0;
   std::vector<double> errors_, covered_;
   std::vector<double> sigma_m_;
-  std::vector<double> vague_;  ///< information of the vague idea of the pose, entry by entry
+  std::vector<double> vague_;  ///< information of the weak prior of the pose, entry by entry
   std::vector<double> sum_;    ///< scratch, as is heard_
   std::vector<std::uint16_t> heard_;
 };

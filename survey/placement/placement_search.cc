@@ -58,7 +58,7 @@ class GridSearch {
     return layout;
   }
 
-  /// The other way: from a beacon at every few places, taking away the one that is missed least.
+  /// The reverse: starts with a beacon at every few positions, and removes the one whose loss is smallest.
   [[nodiscard]] Spots stingy(std::size_t count) {
     Spots layout;
     const std::size_t every = std::max<std::size_t>(1, places_.size() / std::max<std::size_t>(4 * count, 1));
@@ -188,7 +188,7 @@ class ContinuousSearch {
   }
   [[nodiscard]] std::size_t evaluations() const { return evaluations_; }
   [[nodiscard]] bool interrupted() const { return interrupted_; }
-  /// False: whoever waits has had enough.
+  /// Returns false if the search was cancelled.
   bool report(double fraction) {
     interrupted_ = interrupted_ || (options_.on_progress && !options_.on_progress(fraction));
     return !interrupted_;
@@ -278,7 +278,7 @@ class LayoutSearch {
     }
   }
 
-  /// Down on the soft value first, which shows the way from afar.
+  /// Minimises the soft value first, which has gradients far from the solution.
   void descend_from_the_best() {
     if (options_.local == LocalAlgorithm::kNone) return;
     auto ranked = result_.layouts;

@@ -92,7 +92,7 @@ struct BeaconLoss {
   std::optional<NamedMap> map;
 };
 
-/// A beacon that was found elsewhere than where the site file has it: how wrong the tape was.
+/// A beacon whose estimated position differs from the site file: error of the measured position.
 struct MovedNote {
   std::string beacon;
   std::array<std::optional<double>, 3> shift_m;  ///< found less stated, where something was stated
@@ -144,7 +144,7 @@ enum class Grade {
 /// The colour that says what the grade says.
 [[nodiscard]] Tone tone_of(Grade grade);
 
-/// One thing that must hold, with its figures in words.
+/// A condition for the verdict, with its figures in words.
 struct ReportGate {
   std::string name, value, limit;
   bool pass = false;

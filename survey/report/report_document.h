@@ -63,7 +63,7 @@ struct ReportSection {
   std::vector<ReportBlock> blocks{};
 };
 
-/// A report as content alone; report_html.h and report_markdown.h write it down.
+/// The content of a report; report_html.h and report_markdown.h write it.
 struct ReportDocument {
   std::string title;
   std::string subtitle;

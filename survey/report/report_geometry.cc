@@ -60,8 +60,8 @@ BeaconLoss loss_of(const std::string& beacon, const FloorGrid& grid, const std::
   return loss;
 }
 
-/// The information of all beacons but one is that of those before it and those after it: sums of positive
-/// terms only, where a difference would leave rounding in place of what is not determined.
+/// Information of all beacons except one, as the sum of those before it and those after it: positive terms
+/// only, because a difference would leave rounding errors in undetermined directions.
 void add_losses(const SurveyModel& model, int threads, ReportInput& input) {
   if (model.beacons.size() < 2 || model.beacons.size() > kMostLosses) return;
   const auto grid = make_floor_grid(model, Scene{}, cell_of(model, kCellsAcrossForLoss));

@@ -68,7 +68,7 @@ void add_beacons(const ReportInput& input, std::vector<std::string>& steps) {
                     names(bare), kLittleRedundancy));
 }
 
-/// Where a quarter and more were left out: by what most of them were left out for.
+/// If a quarter or more was left out: by the most frequent reason.
 void add_left_out(const ReportInput& input, std::vector<std::string>& steps) {
   const CalibrationStatistics& s = input.plan.deployment.statistics;
   const std::size_t left_out = s.rejected, all = s.arrivals + s.rejected;

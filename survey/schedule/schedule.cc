@@ -67,7 +67,8 @@ Sharing sharing_of(const Audience& audience, const ShareOptions& o, std::size_t 
   return o.by_time && apart ? Sharing::kApartInTime : Sharing::kConfused;
 }
 
-/// A set of beacons that all confuse each other, as large as greed makes it from any first one.
+/// A set of beacons that all interfere with each other, as large as a greedy choice from any first one makes
+/// it.
 std::size_t greedy_clique(const FiringPlan& plan) {
   std::size_t largest = 0;
   for (std::size_t first = 0; first < plan.beacons; ++first) {

@@ -81,9 +81,9 @@ struct FiringPlan {
   [[nodiscard]] Sharing between(std::size_t a, std::size_t b) const { return sharing[a * beacons + b]; }
 };
 
-/// Groups of beacons that no receiver in the area can confuse, by greedy colouring of the graph of those that
-/// can be confused, the most constrained first (DSATUR: D. Brelaz, Commun. ACM 22 (1979) 251). Ties go by the
-/// beacon's number.
+/// Groups of beacons that do not interfere at any receiver in the area, by greedy colouring of the graph of
+/// those that interfere, the most constrained first (DSATUR: D. Brelaz, Commun. ACM 22 (1979) 251). Ties are
+/// resolved by the beacon's number.
 [[nodiscard]] FiringPlan share_slots(const Audience& audience, const ShareOptions& options, double slot_s);
 
 }  // namespace octant::survey

@@ -26,7 +26,7 @@ struct ChartPoint {
   int alarm = 0;                    ///< +1: larger than before, -1: smaller
 };
 
-/// A change of level that the cumulative sums hold for real.
+/// A change of level that the cumulative sums detect.
 struct Shift {
   std::size_t at = 0;              ///< the point that gave the alarm
   std::size_t since = 0;           ///< the first point of the new level: the likeliest place of the change
