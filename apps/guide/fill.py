@@ -45,5 +45,5 @@ if __name__ == "__main__":
     program = pathlib.Path(sys.argv[1]).resolve()
     words = subprocess.run([program, "explain", "--page"], capture_output=True, text=True, check=True).stdout
     (GUIDE / "4-words.md").write_text(words)
-    for path in sorted(GUIDE.glob("[12356]-*.md")):
+    for path in sorted(GUIDE.glob("[123567]-*.md")):
         fill(path, program)

@@ -177,7 +177,8 @@ TEST(GuidePages, FromABareMachineToAVerifiedDeployment) {
 
 INSTANTIATE_TEST_SUITE_P(Pages, Guide,
                          testing::Values("1-first-site.md", "2-reading-the-report.md", "3-when-it-says-no.md",
-                                         "5-radio-and-underwater.md", "6-worked-example.md"),
+                                         "5-radio-and-underwater.md", "6-worked-example.md",
+                                         "7-your-own-recording.md"),
                          [](const auto& info) { return "Page" + info.param.substr(0, 1); });
 
 TEST(GuidePages, WordsAreThoseOfExplain) {

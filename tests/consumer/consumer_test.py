@@ -5,7 +5,7 @@
 
     consumer_test.py SOURCE BUILD
 
-Installs BUILD into a folder of its own and there builds and runs the README's programs from the README's text.
+Installs BUILD into a folder of its own and there builds and runs the programs of the guide from its text.
 """
 
 import os
@@ -40,9 +40,10 @@ def test(function):
 
 
 def readme(language):
-    with open(os.path.join(SOURCE, "README.md"), encoding="utf-8") as file:
+    page = os.path.join("apps", "guide", "9-in-your-robot.md")
+    with open(os.path.join(SOURCE, page), encoding="utf-8") as file:
         found = re.findall(rf"```{language}\n(.*?)```", file.read(), re.S)
-    assert len(found) == 1, f"{len(found)} blocks of {language} in README.md"
+    assert len(found) == 1, f"{len(found)} blocks of {language} in {page}"
     return found[0]
 
 

@@ -11,10 +11,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/octant/text/layout.h"
+
 namespace octant::app {
 namespace {
 
 using enum GlossaryKind;
+
+constexpr std::size_t kPageColumns = 110;  // of the page of words
 
 std::string plain(std::string_view word) {
   std::string out;
@@ -110,12 +114,14 @@ std::vector<const GlossaryTerm*> terms_used(std::string_view text) {
 
 std::string glossary_page() {
   std::string page =
-      "# Words\n\nWhat the outputs say, in a paragraph each; `octant explain WORD` prints one of them.\n";
+      "# Words\n\nThe terms of the outputs, a paragraph each. `octant explain WORD` prints one of them.\n";
   const char* last = "";
   for (const GlossaryTerm& term : glossary()) {
     if (heading(term.kind) != last) page += fmt::format("\n## {}\n", last = heading(term.kind));
-    page += fmt::format("\n**{}**{}. {}\n", term.name,
-                        term.others.empty() ? "" : fmt::format(" ({})", term.others), term.text);
+    page +=
+        "\n" + paragraph(fmt::format("**{}**{}. {}", term.name,
+                                     term.others.empty() ? "" : fmt::format(" ({})", term.others), term.text),
+                         kPageColumns);
   }
   return page;
 }
