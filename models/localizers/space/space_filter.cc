@@ -13,7 +13,6 @@ namespace octant {
 namespace {
 
 constexpr Eigen::Index kMostCalibrated = 200;  ///< parameters that are followed through the smoother
-constexpr double kHuberSigmas = 2.0;           ///< exceeded by one arrival in twenty without echoes
 constexpr std::size_t kRecent = 20,
                       kLost = 14;  ///< so many of the latest arrivals rejected: the place is lost
 
@@ -156,9 +155,7 @@ bool SpaceFilter::update(SpaceRange& r, std::size_t k) {
   likelihood_ -= 0.5 * (std::min(squares, limit) + std::log(S));
   r.rejection = squares <= limit ? Rejection::kUsed : innovation > 0 ? Rejection::kLate : Rejection::kEarly;
   if (r.rejection != Rejection::kUsed) return false;
-  // Huber's weight: beyond two sigmas the pull of an arrival grows no further.
-  const double widened = std::max(1.0, std::sqrt(squares) / kHuberSigmas);
-  correct(H, innovation, widened * S - (S - r.variance_m2), by_calibration(r, u));
+  correct(H, innovation, r.variance_m2, by_calibration(r, u));
   return true;
 }
 
