@@ -163,11 +163,9 @@ TEST_F(Road, LocalizeAndVerify) {
 
 TEST_F(Road, VerifyWarnsOfARunOfTheCalibration) {
   ASSERT_EQ(calibrate().exit, 0);
-  std::filesystem::copy(hall("run"), out("again"), std::filesystem::copy_options::recursive);
-  std::filesystem::copy(hall("heldout/truth.tum"), out("again/truth.tum"));
-  const Outcome checked = octant({"verify", out("d.json"), out("again"), "--json"});
+  const Outcome checked = octant({"verify", out("d.json"), hall("run"), "--json"});
   EXPECT_EQ(checked.json()["calibration_runs"].size(), 1U);
-  EXPECT_THAT(checked.err + checked.out, HasSubstr("took part in the calibration"));
+  EXPECT_THAT(checked.out, HasSubstr("took part in the calibration"));
 }
 
 TEST_F(Road, VerifySaysThatSigmasDoNotHold) {
