@@ -70,6 +70,26 @@ Result<LiveRow> odometry_row(const LiveObject& object, double time_s, VehicleId 
   return LiveRow{step};
 }
 
+/// In the plane, or with odometry_z_m and a quaternion in place of the heading in space.
+Result<LiveRow> odometry_pose_row(const LiveObject& object, double time_s, VehicleId vehicle) {
+  const Eigen::Vector3d p(live_number(object, "odometry_x_m", std::nan("")),
+                          live_number(object, "odometry_y_m", std::nan("")),
+                          live_number(object, "odometry_z_m", 0.0));
+  if (!p.allFinite() || p.cwiseAbs().maxCoeff() > kLargestLength_m)
+    return bad_line("odometry_x_m, odometry_y_m or odometry_z_m is missing, no number or impossibly large");
+  if (!object.contains("qw")) {
+    const double heading_rad = live_number(object, "odometry_heading_rad", std::nan(""));
+    if (!std::isfinite(heading_rad)) return bad_line("odometry_heading_rad is missing or no number");
+    Pose T = Pose::planar(p.x(), p.y(), heading_rad);
+    T.translation_m = p;
+    return LiveRow{OdometryPose{time_s, T, vehicle}};
+  }
+  const auto part = [&](const char* key) { return live_number(object, key, std::nan("")); };
+  const auto rotation = unit_rotation(part("qx"), part("qy"), part("qz"), part("qw"));
+  if (!rotation) return bad_line("no rotation", "numbers qx, qy, qz, qw of length 1 (0, 0, 0, 1: no turn)");
+  return LiveRow{OdometryPose{time_s, {p, *rotation}, vehicle}};
+}
+
 }  // namespace
 
 struct LiveReader::Names {
@@ -101,6 +121,7 @@ Result<LiveRow> LiveReader::row(std::string_view line) const {
     return bad_line(vehicle_name->empty() ? "vehicle is missing, and there are several"
                                           : "unknown vehicle " + printable_name(*vehicle_name));
 
+  if (object.contains("odometry_x_m")) return odometry_pose_row(object, time_s, vehicle);
   if (is_odometry(object)) return odometry_row(object, time_s, vehicle);
 
   Arrival a;

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <variant>
 
+#include "models/odometry_pose.h"
 #include "models/run.h"
 #include "models/site.h"
 #include "models/support/result.h"
@@ -16,13 +17,15 @@ namespace octant::io {
 /// Completes the pose that is open: {"flush": true}
 struct LiveFlush {};
 /// Content of a line; std::monostate for an empty line or a comment.
-using LiveRow = std::variant<std::monostate, Arrival, OdometryStep, LiveFlush>;
+using LiveRow = std::variant<std::monostate, Arrival, OdometryStep, OdometryPose, LiveFlush>;
 
 /// Lines of a live stream (schema `live`): a JSON object each, with the names of a run folder's columns:
 ///   {"time_s": 12.31, "beacon": "B1", "tof_s": 0.0123}         also epoch, vehicle, receiver, amplitude_v,
 ///   temperature_degC
 ///   {"time_s": 12.30, "dx_m": 0.01, "dy_m": 0, "dheading_rad": 0.002}    also vehicle; in space dz_m,
 ///   and qx, qy, qz, qw in place of dheading_rad
+///   {"time_s": 12.30, "odometry_x_m": 3.1, "odometry_y_m": 0.2, "odometry_heading_rad": 1.2}    the pose in
+///   odometry's own frame; in space odometry_z_m, and qx, qy, qz, qw in place of the heading
 /// Keys that are not known are ignored.
 class LiveReader {
  public:

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <utility>
 
 #include "models/localizers/space/space_track.h"
@@ -36,12 +35,29 @@ class InSink {
 bool is_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
 /// As in files: a row that comes twice is one measurement.
-bool is_repeated(const Arrival& a, const std::vector<Arrival>& in_order_of_time) {
-  for (auto b = in_order_of_time.rbegin(); b != in_order_of_time.rend() && b->time_s == a.time_s; ++b)
-    if (b->beacon == a.beacon && b->receiver == a.receiver && b->epoch == a.epoch && b->tof_s == a.tof_s &&
-        is_same(b->amplitude_v, a.amplitude_v) && is_same(b->temperature_degC, a.temperature_degC))
-      return true;
-  return false;
+bool is_same_row(const Arrival& a, const Arrival& b) {
+  return a.time_s == b.time_s && a.beacon == b.beacon && a.receiver == b.receiver && a.epoch == b.epoch &&
+         a.tof_s == b.tof_s && is_same(a.amplitude_v, b.amplitude_v) &&
+         is_same(a.temperature_degC, b.temperature_degC);
+}
+
+/// Arrivals that repetitions are compared with.
+constexpr std::size_t kRecentArrivals = 256;
+/// Odometry that no arrival asks for is used up to so long ago.
+constexpr double kLongestQueue_s = 5.0;
+
+bool is_possible_row(const OdometryStep& step) {
+  const double longest_m = std::max({std::abs(step.dx_m), std::abs(step.dy_m), std::abs(step.dz_m)});
+  return step.is_finite() && longest_m <= kLargestLength_m;
+}
+bool is_possible_row(const OdometryPose& pose) {
+  const Eigen::Vector3d& p = pose.T_odometry_vehicle.translation_m;
+  return p.allFinite() && pose.T_odometry_vehicle.rotation.coeffs().allFinite() &&
+         p.cwiseAbs().maxCoeff() <= kLargestLength_m;
+}
+bool give(DriveTracker& tracker, const OdometryStep& step) { return tracker.move(step); }
+bool give(DriveTracker& tracker, const OdometryPose& pose) {
+  return tracker.move(pose.time_s, pose.T_odometry_vehicle);
 }
 
 bool can_be_tracked(const Deployment& d) { return d.timing.clock == Clock::kSynchronised; }
@@ -75,24 +91,38 @@ Result<void> follow_fits(const Deployment& deployment, Method method) {
   return method == Method::kAuto ? Result<void>{} : method_fits(method, deployment, any);
 }
 
+TrackerOptions live_tracking() {
+  TrackerOptions options;
+  options.protect = true;  // a robot that drives by these fixes asks how far they may be off
+  options.estimate_speed = true;
+  options.start_window_s = 0.3;  // with less than that all around few beacons have been received
+  return options;
+}
+
 Follower::Follower(Deployment deployment, const FollowOptions& options)
     : deployment_(std::move(deployment)), options_(options), lanes_(deployment_.vehicles.size()) {
-  const bool by_tracker = options_.method == Method::kTracker;
-  for (Lane& lane : lanes_) {
-    lane.waiting.reserve(options_.most_waiting);
-    if (!by_tracker) {
-      const Method method = options_.method == Method::kAuto ? Method::kLeastSquares : options_.method;
-      lane.localizer = make_localizer(method, deployment_);
-    }
+  for (std::size_t v = 0; v < lanes_.size(); ++v) {
+    Lane& lane = lanes_[v];
+    lane.waiting.reserve(options_.most_waiting + 1);
+    lane.recent.reserve(kRecentArrivals);
+    if (options_.method != Method::kTracker) lane.localizer = make_localizer_at(deployment_);
     if (may_track()) lane.tracker = make_tracker();
+    lane.is_tracked = options_.method == Method::kTracker;
   }
   if (options_.watch) watch_ = std::make_unique<Watch>(deployment_, options_.watching);
+  const bool by_least_squares = options_.method == Method::kAuto || options_.method == Method::kLeastSquares;
+  // Poses of several vehicles do not end together.
+  if (by_least_squares && lanes_.size() == 1 && deployment_.medium.model != MediumModel::kConstant)
+    speed_ = std::make_unique<LiveSpeed>(deployment_);
+}
+
+std::unique_ptr<Localizer> Follower::make_localizer_at(const Deployment& deployment) const {
+  return make_localizer(options_.method == Method::kAuto ? Method::kLeastSquares : options_.method,
+                        deployment);
 }
 
 std::unique_ptr<DriveTracker> Follower::make_tracker() const {
-  TrackerOptions options;
-  options.protect = true;  // a robot that drives by these fixes asks how far they may be off
-  return std::make_unique<DriveTracker>(deployment_, options_.odometry, options);
+  return std::make_unique<DriveTracker>(deployment_, options_.odometry, live_tracking());
 }
 
 bool Follower::may_track() const {
@@ -104,85 +134,131 @@ Follower::Lane* Follower::lane_of(VehicleId vehicle) {
   return vehicle.valid() && vehicle.index() < lanes_.size() ? &lanes_[vehicle.index()] : nullptr;
 }
 
-bool Follower::hear(const Arrival& arrival) {
-  Lane* lane = lane_of(arrival.vehicle);
-  if (in_sink_ || lane == nullptr || !std::isfinite(arrival.time_s) ||
-      (arrival.time_s < lane->last_arrival_s && !is_set_back(*lane, lane->arrivals_behind, arrival.time_s))) {
-    ++counts_.refused;
+double Follower::Lane::used_until_s() const {
+  if (!is_tracked) return fixed_until_s;
+  return tracker->now_s().value_or(-std::numeric_limits<double>::infinity());
+}
+
+bool Follower::refuse() {
+  ++counts_.refused;
+  return false;
+}
+
+/// Whether a row is behind the newest by more than the lateness. The last row that it takes to believe in
+/// another time is not: with it all begins anew.
+bool Follower::is_too_late(Lane& lane, Behind& behind, double time_s, double newest_s) {
+  if (time_s >= newest_s - options_.lateness_s) {
+    behind = {};
     return false;
   }
-  lane->arrivals_behind = {};
-  if (is_repeated(arrival, lane->waiting)) {
-    ++counts_.refused;
+  behind = {behind.rows > 0 && time_s >= behind.last_s ? behind.rows + 1 : 1, time_s};
+  if (behind.rows >= kSetBackRows) {
+    begin_anew(lane);
     return false;
   }
-  ++counts_.arrivals;
-  lane->last_arrival_s = arrival.time_s;
-  if (lane->row_s || lane->localizer == nullptr) {  // tracked: until its odometry comes
-    if (lane->waiting.size() >= options_.most_waiting) {
-      lane->waiting.erase(lane->waiting.begin());
-      ++counts_.dropped;
-    }
-  } else if (!lane->waiting.empty() &&
-             (!of_one_pose(lane->waiting.back(), arrival) || lane->waiting.size() >= options_.most_waiting)) {
-    fix_pose(*lane);
-  }
-  lane->waiting.push_back(arrival);
+  ++counts_.late;
   return true;
 }
 
-/// Whether a row behind the vehicle's time is the last that it takes to believe it; then all begins anew.
-bool Follower::is_set_back(Lane& lane, Behind& behind, double time_s) {
-  behind = {behind.rows > 0 && time_s >= behind.last_s ? behind.rows + 1 : 1, time_s};
-  if (behind.rows < kSetBackRows) return false;
-  begin_anew(lane);
+bool Follower::is_repeated(const Lane& lane, const Arrival& arrival) const {
+  const auto same = [&](const Arrival& other) { return is_same_row(other, arrival); };
+  const auto first = std::ranges::lower_bound(lane.waiting, arrival.time_s, {}, &Arrival::time_s);
+  const auto last = std::ranges::upper_bound(lane.waiting, arrival.time_s, {}, &Arrival::time_s);
+  return std::any_of(first, last, same) || std::ranges::any_of(lane.recent, same);
+}
+
+bool Follower::hear(const Arrival& arrival) {
+  Lane* lane = lane_of(arrival.vehicle);
+  if (in_sink_ || lane == nullptr || !std::isfinite(arrival.time_s)) return refuse();
+  if (is_too_late(*lane, lane->arrivals_behind, arrival.time_s, lane->newest_arrival_s)) return false;
+  if (is_repeated(*lane, arrival)) return refuse();
+  if (lane->tracker && !lane->is_tracked && arrival.epoch == kNoEpoch &&
+      deployment_.vehicles[arrival.vehicle.index()].motion)
+    begin_tracking(*lane);
+  const double behind_s = lane->used_until_s() - arrival.time_s;
+  if (behind_s > options_.lateness_s) {
+    ++counts_.dropped;
+    return false;
+  }
+  if (behind_s > 0.0) lane->hold_s = std::max(lane->hold_s, behind_s);
+  ++counts_.arrivals;
+  lane->newest_arrival_s = std::max(lane->newest_arrival_s, arrival.time_s);
+  if (speed_ && !lane->is_tracked) speed_->hear(arrival);
+  wait(*lane, arrival);
+  process(*lane);
   return true;
+}
+
+void Follower::wait(Lane& lane, const Arrival& arrival) {
+  const auto at = std::ranges::upper_bound(lane.waiting, arrival.time_s, {}, &Arrival::time_s);
+  lane.waiting.insert(at, arrival);
+  if (lane.waiting.size() <= options_.most_waiting) return;
+  if (!lane.is_tracked) return process(lane, true);
+  lane.waiting.erase(lane.waiting.begin());
+  ++counts_.dropped;
+}
+
+/// Takes the first arrivals out of the queue.
+void Follower::use_up(Lane& lane, std::size_t count) {
+  const auto last = lane.waiting.begin() + static_cast<std::ptrdiff_t>(count);
+  for (auto a = lane.waiting.begin(); a != last; ++a) {
+    if (lane.recent.size() < kRecentArrivals) {
+      lane.recent.push_back(*a);
+    } else {
+      lane.recent[lane.oldest_recent] = *a;
+      lane.oldest_recent = (lane.oldest_recent + 1) % kRecentArrivals;
+    }
+  }
+  lane.waiting.erase(lane.waiting.begin(), last);
 }
 
 void Follower::begin_anew(Lane& lane) {
   ++counts_.restarts;
-  if (lane.has_open_pose()) fix_pose(lane);
+  process(lane, true);
   counts_.dropped += lane.waiting.size();
   lane.waiting.clear();
-  lane.last_arrival_s = -std::numeric_limits<double>::infinity();
-  lane.row_s.reset();
+  lane.recent.clear();
+  lane.oldest_recent = 0;
+  lane.newest_arrival_s = lane.newest_row_s = lane.fixed_until_s = -std::numeric_limits<double>::infinity();
+  lane.hold_s = 0.0;
   lane.arrivals_behind = lane.odometry_behind = {};
+  lane.is_tracked = options_.method == Method::kTracker;
   if (lane.tracker) lane.tracker = make_tracker();
 }
 
-bool Follower::move(const OdometryStep& step) {
-  Lane* lane = lane_of(step.vehicle);
-  const double longest_m = std::max({std::abs(step.dx_m), std::abs(step.dy_m), std::abs(step.dz_m)});
-  const bool is_possible = std::isfinite(step.time_s) && step.is_finite() && longest_m <= kLargestLength_m;
-  if (in_sink_ || lane == nullptr || !is_possible ||
-      (lane->row_s && step.time_s <= *lane->row_s &&
-       !is_set_back(*lane, lane->odometry_behind, step.time_s))) {
-    ++counts_.refused;
-    return false;
+void Follower::begin_tracking(Lane& lane) {
+  process(lane, true);
+  lane.is_tracked = true;
+}
+
+bool Follower::move(const OdometryStep& step) { return insert_row(step); }
+bool Follower::move(const OdometryPose& pose) { return insert_row(pose); }
+
+template <class Row>
+bool Follower::insert_row(const Row& row) {
+  Lane* lane = lane_of(row.vehicle);
+  if (in_sink_ || lane == nullptr || !std::isfinite(row.time_s) || !is_possible_row(row)) return refuse();
+  if (is_too_late(*lane, lane->odometry_behind, row.time_s, lane->newest_row_s)) return false;
+  if (lane->tracker != nullptr) {  // else it is of no use to the method
+    if (!lane->is_tracked) begin_tracking(*lane);
+    if (!give(*lane->tracker, row)) return refuse();
   }
-  lane->odometry_behind = {};
   ++counts_.odometry_rows;
-  if (lane->tracker == nullptr) return true;  // of no use to the method
-  if (!lane->row_s) {                         // the anchor: what it says is no motion
-    if (lane->has_open_pose()) fix_pose(*lane);
-    lane->row_s = lane->now_s = step.time_s;
-    return true;
-  }
-  track_until(*lane, step, step.time_s - *lane->row_s);
-  lane->row_s = step.time_s;
+  lane->newest_row_s = std::max(lane->newest_row_s, row.time_s);
+  process(*lane);
   return true;
 }
 
 void Follower::flush() {
   if (in_sink_) return;
-  for (Lane& lane : lanes_)
-    if (lane.has_open_pose()) fix_pose(lane);
+  for (Lane& lane : lanes_) process(lane, true);
 }
 
 void Follower::flush_pings() {
   if (in_sink_) return;
   for (Lane& lane : lanes_)
-    if (lane.has_open_pose() && lane.waiting.back().epoch == kNoEpoch) fix_pose(lane);
+    if (!lane.is_tracked && !lane.waiting.empty() && lane.waiting.back().epoch == kNoEpoch)
+      process(lane, true);
 }
 
 void Follower::carry_on(const Follower& before) {
@@ -193,49 +269,88 @@ void Follower::carry_on(const Follower& before) {
     if (at == names.vehicles.end()) continue;
     const Lane& old = before.lanes_[static_cast<std::size_t>(at - names.vehicles.begin())];
     Lane& lane = lanes_[v];
-    lane.last_arrival_s = old.last_arrival_s;
-    if (!old.row_s || lane.tracker == nullptr) continue;
-    lane.row_s = old.row_s;
-    lane.now_s = old.now_s;
-    if (!old.tracker->is_placed()) continue;
-    if (before.deployment_.motion != deployment_.motion) continue;
-    lane.tracker->start(old.tracker->pose(),
-                        old.tracker->covariance() + between_calibrations(deployment_.motion));
+    lane.newest_arrival_s = old.newest_arrival_s;
+    lane.newest_row_s = old.newest_row_s;
+    lane.hold_s = old.hold_s;
+    if (!old.is_tracked || lane.tracker == nullptr || before.deployment_.motion != deployment_.motion)
+      continue;
+    lane.is_tracked = true;
+    lane.tracker->start(*old.tracker, between_calibrations(deployment_.motion));
   }
 }
 
-void Follower::fix_pose(Lane& lane) {
-  lane.localizer->locate(Observations{lane.waiting, {}}, fix_);
-  if (fix_.rejections.empty())
-    fix_.time_s = lane.waiting.front().time_s;  // nothing to fix: no instant either
-  report_fix(lane.waiting);
-  if (watch_ && fix_.ok()) report_alarm(watch_->observe_epoch(lane.waiting, fix_));
-  lane.waiting.clear();
+/// Uses the arrivals whose turn it is. @param all  nothing more is coming
+void Follower::process(Lane& lane, bool all) {
+  if (lane.is_tracked) {
+    process_instants(lane, all);
+  } else {
+    process_poses(lane, all);
+  }
 }
 
-/// Moves the tracker along a row, and fixes it at each instant of arrivals on the way.
-void Follower::track_until(Lane& lane, const OdometryStep& step, double span_s) {
-  std::size_t first = 0;
-  const auto move_to = [&](double time_s) {
-    if (time_s > lane.now_s) lane.tracker->move(step, (time_s - lane.now_s) / span_s);
-    lane.now_s = std::max(lane.now_s, time_s);
-  };
-  while (first < lane.waiting.size() && lane.waiting[first].time_s <= step.time_s) {
-    std::size_t last = first;
-    while (last < lane.waiting.size() && lane.waiting[last].time_s == lane.waiting[first].time_s) ++last;
-    if (lane.waiting[first].time_s < lane.now_s) {  // from before the anchor
-      counts_.dropped += last - first;
-    } else {
-      move_to(lane.waiting[first].time_s);
-      track_instant(lane, std::span(lane.waiting).subspan(first, last - first));
-    }
-    first = last;
+/// A pose is complete when an arrival of another one has come, and those that are late have had their time.
+void Follower::process_poses(Lane& lane, bool all) {
+  while (!lane.waiting.empty()) {
+    std::size_t count = 1;
+    while (count < lane.waiting.size() && of_one_pose(lane.waiting[count - 1], lane.waiting[count])) ++count;
+    const bool is_complete =
+        count < lane.waiting.size() && lane.newest_arrival_s >= lane.waiting[count - 1].time_s + lane.hold_s;
+    if (!all && !is_complete) return;
+    if (speed_) follow_speed(lane);
+    lane.fixed_until_s = std::max(lane.fixed_until_s, lane.waiting[count - 1].time_s);
+    fix_pose(lane, std::span(lane.waiting).first(count));
+    use_up(lane, count);
   }
-  lane.waiting.erase(lane.waiting.begin(), lane.waiting.begin() + static_cast<std::ptrdiff_t>(first));
-  move_to(step.time_s);
+}
+
+void Follower::process_instants(Lane& lane, bool all) {
+  DriveTracker& tracker = *lane.tracker;
+  while (!lane.waiting.empty()) {
+    const double time_s = lane.waiting.front().time_s;
+    std::size_t count = 1;
+    while (count < lane.waiting.size() && lane.waiting[count].time_s == time_s) ++count;
+    const bool has_waited = lane.newest_s() > time_s + options_.lateness_s;
+    const bool is_covered = !tracker.has_odometry() || tracker.covers(time_s);
+    if (!all && !has_waited && !(is_covered && lane.newest_arrival_s >= time_s + lane.hold_s)) return;
+    track_instant(lane, std::span(lane.waiting).first(count));
+    use_up(lane, count);
+  }
+  if (tracker.now_s() && lane.newest_row_s - *tracker.now_s() > kLongestQueue_s)
+    tracker.advance_to(lane.newest_row_s - kLongestQueue_s);
+}
+
+/// Where the temperature is not known the arrivals tell the speed of sound, as for a recording.
+void Follower::follow_speed(Lane& lane) {
+  const auto found = speed_->new_estimate();
+  if (!found) return;
+  const double wanted_mps = found->differs() ? found->offset_mps : 0.0;
+  if (std::abs(wanted_mps - speed_offset_mps_) <= found->sigma_mps) return;
+  speed_offset_mps_ = wanted_mps;
+  lane.localizer =
+      make_localizer_at(found->differs() ? at_speed(speed_->calibrated(), *found) : speed_->calibrated());
+  const InSink mark(in_sink_);
+  if (on_speed) on_speed(*found);
+}
+
+void Follower::predict(VehicleId vehicle, double time_s, Fix& fix) {
+  clear(fix);
+  fix.vehicle = vehicle;
+  fix.time_s = time_s;
+  fix.status = FixStatus::kNoConsensus;
+  const Lane* lane = lane_of(vehicle);
+  if (lane == nullptr || !lane->is_tracked || !std::isfinite(time_s)) return;
+  lane->tracker->predict(time_s, fix);
+}
+
+void Follower::fix_pose(Lane& lane, std::span<const Arrival> arrivals) {
+  lane.localizer->locate(Observations{arrivals, {}}, fix_);
+  if (fix_.rejections.empty()) fix_.time_s = arrivals.front().time_s;  // nothing to fix: no instant either
+  report_fix(arrivals);
+  if (watch_ && fix_.ok()) report_alarm(watch_->observe_epoch(arrivals, fix_));
 }
 
 void Follower::track_instant(Lane& lane, std::span<const Arrival> arrivals) {
+  lane.tracker->advance_to(arrivals.front().time_s);
   if (watch_ && lane.tracker->is_placed())
     for (const Arrival& a : arrivals)
       report_alarm(watch_->observe_arrival(a, lane.tracker->pose(), lane.tracker->covariance()));

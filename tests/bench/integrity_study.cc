@@ -246,6 +246,7 @@ Tally tracker(long epochs, std::mt19937_64& random) {
       TrackerOptions options;
       options.protect = true;
       tracker.emplace(hall.calibrated(), accuracy, options);
+      static_cast<void>(tracker->move({.time_s = time_s - kStep_s, .vehicle = VehicleId(0)}));  // the anchor
       T = Pose::planar(uniform(random, 5, 15), uniform(random, 4, 8), uniform(random, -3, 3));
       Eigen::Vector3d off = 0.01 * Eigen::Vector3d(normal(random), normal(random), normal(random));
       tracker->start(Pose::planar(T.translation_m.x() + off.x(), T.translation_m.y() + off.y(),
@@ -260,7 +261,7 @@ Tally tracker(long epochs, std::mt19937_64& random) {
     turn_rate =
         near_wall ? std::copysign(0.7, bearing) : std::clamp(turn_rate + 0.1 * normal(random), -0.7, 0.7);
     const OdometryStep step = drive(T, time_s, kSpeed_mps * kStep_s, turn_rate * kStep_s, accuracy, random);
-    tracker->move(step);
+    static_cast<void>(tracker->move(step));
     arrivals.clear();
     const std::size_t b = static_cast<std::size_t>(k) % hall.truth.beacons.size();
     bool faulted = false;

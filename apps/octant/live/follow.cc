@@ -25,12 +25,10 @@
 #include "io/live/live_rows.h"
 #include "io/run/run_folder.h"
 #include "models/live/follower.h"
-#include "models/live/live_speed.h"
 
 namespace octant::app {
 namespace {
 
-constexpr double kPause_s = 0.005;    ///< between pings of two poses
 constexpr int kQuiet_ms = 50;         ///< after which a pose that is open counts as complete
 constexpr int kQuietEpoch_ms = 2000;  ///< the same of an epoch: beacons take turns
 
@@ -110,12 +108,15 @@ class FollowLoop {
         fmt::format("{:<17}{}, {} times no fix\n{:<17}{} used, {} left out\n{:<17}{}\n", "fixes", c.fixes,
                     c.no_fix, "arrivals", c.used, c.rejected, "odometry rows", c.odometry_rows);
     if (c.refused > 0)
-      text +=
-          fmt::format("{:<17}{} rows that run backwards in time, or repeat another\n", "refused", c.refused);
+      text += fmt::format("{:<17}{} rows that repeat another or say no number\n", "refused", c.refused);
+    if (c.late > 0)
+      text += fmt::format("{:<17}{} rows more than {:g} s behind later ones\n", "late", c.late,
+                          options_.lateness_s);
     if (c.restarts > 0)
       text += fmt::format("{:<17}{} times, as a clock was set back or had jumped ahead\n", "began anew",
                           c.restarts);
-    if (c.dropped > 0) text += fmt::format("{:<17}{} arrivals without odometry\n", "dropped", c.dropped);
+    if (c.dropped > 0)
+      text += fmt::format("{:<17}{} arrivals from before the first odometry\n", "dropped", c.dropped);
     if (bad_.total() > 0) text += fmt::format("{:<17}{}: {}\n", "bad lines", bad_.total(), bad_.text());
     if (options_.watch) text += fmt::format("{:<17}{}\n", "alarms", c.alarms);
     return text;
@@ -128,11 +129,6 @@ class FollowLoop {
     if (auto fits = follow_fits(*deployment, options_.method); !fits) return fail(fits.error());
     warn_if_contradicted(*deployment, deployment_, session_);
     warn_if_overdue(*deployment, session_);
-    if (tells_speed(*deployment)) {
-      speed_.emplace(*deployment);
-    } else {
-      speed_.reset();
-    }
     return engine_of(std::move(*deployment));
   }
 
@@ -144,6 +140,7 @@ class FollowLoop {
               : args_.format == "ros" ? io::fix_as_ros(fix, e->names)
                                       : io::fix_as_json(fix, e->names);
     };
+    e->follower.on_speed = [this](const RunSpeed& found) { report_speed(found); };
     e->follower.on_alarm = [this, e](const WatchAlarm& alarm) {
       const std::string text = io::alarm_as_json(alarm, e->names);
       session_.note(text.substr(0, text.size() - 1));
@@ -157,40 +154,29 @@ class FollowLoop {
     reloads_ = hangups;
     auto engine = load();
     if (!engine) return session_.warn("the deployment that is in use is kept: " + engine.error().message());
-    go_on_with(std::move(*engine));
-    offset_mps_ = 0.0;
+    engine_->follower.flush();
+    (*engine)->follower.carry_on(engine_->follower);
+    engine_ = std::move(*engine);
     session_.note(fmt::format("{} was read anew", deployment_));
   }
 
-  void go_on_with(std::unique_ptr<Engine> engine) {
-    engine_->follower.flush();
-    engine->follower.carry_on(engine_->follower);
-    engine_ = std::move(engine);
-  }
-
-  /// Least squares and the tracker take a speed; of one vehicle, as poses that are open do not end together.
-  [[nodiscard]] bool tells_speed(const Deployment& d) const {
-    const bool takes_speed = options_.method == Method::kAuto || options_.method == Method::kLeastSquares ||
-                             options_.method == Method::kTracker;
-    return takes_speed && d.vehicles.size() == 1 && d.medium.model != MediumModel::kConstant;
-  }
-
-  /// Where the temperature is not known the arrivals tell the speed, as for a recording. Between two poses.
-  void follow_speed(const Arrival& next) {
-    const bool begins_pose =
-        next.epoch != kNoEpoch ? next.epoch != last_.epoch : next.time_s > last_.time_s + kPause_s;
-    last_ = next;
-    if (!begins_pose) return;
-    const auto found = speed_->new_estimate();
-    if (!found) return;
-    const double wanted_mps = found->differs() ? found->offset_mps : 0.0;
-    if (std::abs(wanted_mps - offset_mps_) <= found->sigma_mps) return;
-    offset_mps_ = wanted_mps;
-    go_on_with(engine_of(found->differs() ? at_speed(speed_->calibrated(), *found) : speed_->calibrated()));
+  void report_speed(const RunSpeed& found) {
     session_.note(
         fmt::format("the temperature is not known; from here on the speed is that of {} arrivals: {:+.2f} "
                     "m/s (sigma {:.2f} m/s) from the calibration's",
-                    found->arrivals, found->offset_mps, found->sigma_mps));
+                    found.arrivals, found.offset_mps, found.sigma_mps));
+  }
+
+  /// Says that rows are lost while it happens, each time their number has doubled.
+  void report_drops() {
+    const FollowCounts& c = engine_->follower.counts();
+    if (c.late + c.dropped < next_drop_report_) return;
+    next_drop_report_ = 2 * (c.late + c.dropped);
+    session_.warn(
+        fmt::format("line {}: {} rows so far were left out because they came more than {:g} s behind later "
+                    "ones, or before "
+                    "the first row of odometry. Send rows sooner, or allow for more by --lateness",
+                    lines_, c.late + c.dropped, options_.lateness_s));
   }
 
   void take(std::string_view text) {
@@ -200,16 +186,18 @@ class FollowLoop {
     if (const auto* arrival = std::get_if<Arrival>(&*row)) {
       if (!doubted_) first_.arrivals.push_back(*arrival);
       if (first_.arrivals.size() == kFirstArrivals) doubt_what_came();
-      if (speed_) follow_speed(*arrival);
-      if (speed_) speed_->hear(*arrival);
       engine_->follower.hear(*arrival);
     } else if (const auto* step = std::get_if<OdometryStep>(&*row)) {
       if (first_.odometry.empty()) first_.odometry.push_back(*step);
-      if (speed_) speed_->move(*step);
       engine_->follower.move(*step);
+    } else if (const auto* pose = std::get_if<OdometryPose>(&*row)) {
+      if (first_.odometry.empty())
+        first_.odometry.push_back({.time_s = pose->time_s, .vehicle = pose->vehicle});
+      engine_->follower.move(*pose);
     } else if (std::holds_alternative<io::LiveFlush>(*row)) {
       engine_->follower.flush();
     }
+    report_drops();
     if (out_.size() > kMostWaiting) (void)write_out();
   }
 
@@ -251,9 +239,7 @@ class FollowLoop {
   Session& session_;
   io::EarthOrigin origin_;
   std::unique_ptr<Engine> engine_;
-  std::optional<LiveSpeed> speed_;
-  double offset_mps_ = 0.0;  ///< of the speed in use from the calibration's
-  Arrival last_;
+  std::size_t next_drop_report_ = 1;  ///< number of rows left out
   io::LineCutter cutter_;
   BadLines bad_;
   MeasurementLog first_;  ///< rows, until they have been looked at
@@ -282,6 +268,9 @@ void add_follow_options(CLI::App& command, FollowArgs& args) {
              "nmea: where the map's origin is, LATITUDE,LONGITUDE[,ALTITUDE]");
   add_option(command, "--north", args.north_deg, "DEG",
              "nmea: direction of north in the map, degrees from +x towards +y");
+  add_option(command, "--lateness", args.lateness_s, "S",
+             "Arrivals and odometry may come in any order within so many seconds")
+      ->check(CLI::Range(0.0, 10.0));
   add_option(command, "--odometry", args.odometry, "RUN.yaml",
              "How good the odometry is: a run.yaml, or a recording's folder, with a block odometry "
              "(octant schema run); left out: as for a recording that says nothing of it");
@@ -295,6 +284,7 @@ int follow(const FollowArgs& args, const std::string& deployment, const std::str
   FollowOptions options;
   options.method = method;
   options.watch = args.watch;
+  options.lateness_s = args.lateness_s;
   if (!args.odometry.empty()) {
     std::vector<std::string> warnings;
     options.odometry = need(io::read_odometry_accuracy(args.odometry, warnings));

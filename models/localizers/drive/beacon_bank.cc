@@ -66,12 +66,6 @@ void BeaconBankOf<kDof>::set_range_uncertainty(double range_uncertainty_m) {
 }
 
 template <int kDof>
-void BeaconBankOf<kDof>::predict(const Pose& step, const OdometryObservation& whole, double share) {
-  for (Slot& slot : slots_)
-    if (slot.beacon.valid()) slot.filter.predict(step, whole, share);
-}
-
-template <int kDof>
 typename BeaconBankOf<kDof>::Slot& BeaconBankOf<kDof>::slot_of(BeaconId beacon, const Filter& filter) {
   ++heard_;
   Slot* longest_ago = &slots_.front();
@@ -116,8 +110,8 @@ void BeaconBankOf<kDof>::exclude(Slot& slot, Filter& filter) {
   for (Slot& other : slots_) {
     if (!other.beacon.valid() || other.beacon == slot.beacon) continue;
     const typename Filter::Vector off = tangent_between(filter.pose(), other.filter.pose(), Filter::kMotion);
-    other.filter.start(filter.pose(),
-                       filter.covariance() + 4.0 * (other.filter.covariance() + off * off.transpose()));
+    other.filter.start_as(filter,
+                          filter.covariance() + 4.0 * (other.filter.covariance() + off * off.transpose()));
   }
 }
 

@@ -42,7 +42,15 @@ class BeaconBankOf {
   /// Begins anew, with a pose that was found by these beacons.
   void start(const Filter& filter, const Trajectory& heard, const StartWithout& without);
   void set_range_uncertainty(double range_uncertainty_m);
-  void predict(const Pose& step, const OdometryObservation& whole, double share);
+  void set_echo_share(double share) {
+    for (Slot& slot : slots_) slot.filter.set_echo_share(share);
+  }
+  /// Calls visit(filter) for each filter in use.
+  template <class Visit>
+  void for_each_filter(Visit&& visit) {
+    for (Slot& slot : slots_)
+      if (slot.beacon.valid()) visit(slot.filter);
+  }
   /// Corrects the drive's filter by an arrival, and all that may have it. Returns whether the drive's filter
   /// used it or why not.
   Rejection update(Filter& filter, const Trajectory& trajectory, const ArrivalObservation& arrival);

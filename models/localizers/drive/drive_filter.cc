@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
-#include "models/physics/plane.h"
+#include "models/physics/pose_step.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant {
@@ -13,6 +14,10 @@ namespace {
 
 constexpr double kForget = 1.0 / 30.0;
 constexpr int kIterations = 3;
+/// Echoes of a hall come within some three milliseconds of the direct sound, a metre of detour. Arrivals that
+/// are early are rarer by a factor of ten.
+constexpr double kEchoSpan_s = 3e-3, kEarlyShare = 0.1;
+constexpr double kAirDrift_m2ps2_per_s = 1e-4;  ///< random walk of 0.6 m/s (a degree) in an hour
 
 /// What calibration may be off by. It widens the gate only: it does not average out, so it must not count as
 /// noise.
@@ -23,21 +28,6 @@ double calibration_variance_s2(const EpochFixModel& model, BeaconId beacon, cons
   return std::max(0.0, by.dot(model.beacon_covariance[beacon.index()] * by));
 }
 
-/// How the pose behind a step follows the one before it. In space a turn dphi in the vehicle's frame moves
-/// the end of the step by -R [s]x dphi, and is one of Rs' dphi in the frame behind the step.
-template <int kDof>
-Eigen::Matrix<double, kDof, kDof> by_step(const Pose& T, const Pose& step) {
-  Eigen::Matrix<double, kDof, kDof> F = Eigen::Matrix<double, kDof, kDof>::Identity();
-  if constexpr (kDof == 3) {
-    F.template topRightCorner<2, 1>() =
-        left_of(Eigen::Rotation2Dd(T.heading_rad()) * step.translation_m.template head<2>());
-  } else {
-    F.template topRightCorner<3, 3>() = -T.rotation.toRotationMatrix() * skew(step.translation_m);
-    F.template bottomRightCorner<3, 3>() = step.rotation.toRotationMatrix().transpose();
-  }
-  return F;
-}
-
 }  // namespace
 
 /// What an arrival's prediction follows besides the pose: by few of the parameters, and by the bias of its
@@ -45,10 +35,18 @@ Eigen::Matrix<double, kDof, kDof> by_step(const Pose& T, const Pose& step) {
 template <int kDof>
 struct DriveFilterOf<kDof>::Considered {
   bool any = false;
-  Vector cross = Vector::Zero();  ///< P_x,theta h' of all that is considered
-  double variance = 0.0;          ///< h C h'
+  State cross = State::Zero();  ///< P_x,theta h' of all that is considered
+  double variance = 0.0;        ///< h C h'
   Eigen::Index pair = -1;
 };
+
+template <int kDof>
+typename DriveFilterOf<kDof>::Row DriveFilterOf<kDof>::row_of(const PathOutput& path) {
+  Row H = Row::Zero();
+  H.template head<kDof>() = path.tof_by_pose.template head<kDof>();
+  H[kSpeed] = path.tof_by_speed;
+  return H;
+}
 
 template <int kDof>
 DriveFilterOf<kDof>::DriveFilterOf(const EpochFixModel& model, double gate_sigmas, double range_uncertainty_m,
@@ -61,8 +59,8 @@ DriveFilterOf<kDof>::DriveFilterOf(const EpochFixModel& model, double gate_sigma
   if (model.correlated.sigma_s > 0) recent_.resize(pairs);
   if (calibration == nullptr) return;
   const NodeCalibration none = node_calibration_room();
-  cross_ = none.by_parameter;
-  pair_cross_ = none.by_pair;
+  cross_.setZero(kStates, none.by_parameter.cols());
+  pair_cross_.setZero(kStates, none.by_pair.cols());
   by_theta_ = Eigen::VectorXd::Zero(cross_.cols());
 }
 
@@ -80,30 +78,127 @@ template <int kDof>
 void DriveFilterOf<kDof>::start(const Pose& T_map_vehicle, const Covariance& covariance,
                                 const NodeCalibration* by) {
   T_map_vehicle_ = T_map_vehicle;
-  covariance_ = covariance;
+  P_.setZero();
+  P_.template topLeftCorner<kDof, kDof>() = covariance;
+  speed_offset_mps_ = 0.0;
+  coasting_ = false;
   acceptance_ = 1.0;
   std::ranges::fill(recent_, Recent{});
   cross_.setZero();
   pair_cross_.setZero();
   if (by == nullptr || calibration_ == nullptr) return;
-  cross_.noalias() = by->by_parameter * calibration_->covariance();
-  covariance_.noalias() += cross_ * by->by_parameter.transpose();
-  pair_cross_ = model_.correlated.pair_sigma_s * model_.correlated.pair_sigma_s * by->by_pair;
-  covariance_.noalias() += pair_cross_ * by->by_pair.transpose();
+  auto P = P_.template topLeftCorner<kDof, kDof>();
+  cross_.template topRows<kDof>().noalias() = by->by_parameter * calibration_->covariance();
+  P.noalias() += cross_.template topRows<kDof>() * by->by_parameter.transpose();
+  pair_cross_.template topRows<kDof>() =
+      model_.correlated.pair_sigma_s * model_.correlated.pair_sigma_s * by->by_pair;
+  P.noalias() += pair_cross_.template topRows<kDof>() * by->by_pair.transpose();
+}
+
+template <int kDof>
+void DriveFilterOf<kDof>::start_as(const DriveFilterOf& other, const Covariance& covariance) {
+  start(other.T_map_vehicle_, covariance);
+  set_speed(other.speed());
+  if (other.coasting_) begin_coasting(other.velocity_, other.velocity_covariance().diagonal());
+}
+
+template <int kDof>
+void DriveFilterOf<kDof>::set_speed(const SpeedBelief& speed, const Vector& by_speed) {
+  speed_offset_mps_ = speed.offset_mps;
+  P_.row(kSpeed).setZero();
+  P_.col(kSpeed).setZero();
+  P_(kSpeed, kSpeed) = speed.variance_m2ps2;
+  P_.col(kSpeed).template head<kDof>() = speed.variance_m2ps2 * by_speed;
+  P_.row(kSpeed).template head<kDof>() = speed.variance_m2ps2 * by_speed.transpose();
+  P_.template topLeftCorner<kDof, kDof>() += speed.variance_m2ps2 * by_speed * by_speed.transpose();
+}
+
+template <int kDof>
+void DriveFilterOf<kDof>::drift_speed(double span_s) {
+  if (P_(kSpeed, kSpeed) > 0.0) P_(kSpeed, kSpeed) += kAirDrift_m2ps2_per_s * span_s;
 }
 
 template <int kDof>
 void DriveFilterOf<kDof>::predict(const Pose& step, const OdometryObservation& whole, double share) {
   const Covariance F = by_step<kDof>(T_map_vehicle_, step);
-  covariance_ = F * covariance_ * F.transpose();
-  for (Eigen::Index k = 0; k < cross_.cols(); ++k) cross_.col(k) = F * Vector(cross_.col(k));
-  for (Eigen::Index k = 0; k < pair_cross_.cols(); ++k) pair_cross_.col(k) = F * Vector(pair_cross_.col(k));
+  auto cross = P_.template topRightCorner<kDof, kDof + 1>();
+  auto P = P_.template topLeftCorner<kDof, kDof>();
+  P = (F * P * F.transpose()).eval();
+  cross = (F * cross).eval();
+  P_.template bottomLeftCorner<kDof + 1, kDof>() = cross.transpose();
+  for (auto* by : {&cross_, &pair_cross_})
+    for (Eigen::Index k = 0; k < by->cols(); ++k)
+      by->col(k).template head<kDof>() = F * Vector(by->col(k).template head<kDof>());
   constexpr int kPlaces = kDof == 3 ? 2 : 3;
-  covariance_.diagonal().template head<kPlaces>().array() +=
+  P.diagonal().template head<kPlaces>().array() +=
       share * whole.distance_sigma_m * whole.distance_sigma_m;  // the same in all directions
-  covariance_.diagonal().template tail<kDof - kPlaces>().array() +=
+  P.diagonal().template tail<kDof - kPlaces>().array() +=
       share * whole.heading_sigma_rad * whole.heading_sigma_rad;
   T_map_vehicle_ = T_map_vehicle_ * step;
+}
+
+template <int kDof>
+void DriveFilterOf<kDof>::begin_coasting(const Vector& velocity, const Vector& variance) {
+  coasting_ = true;
+  velocity_ = velocity;
+  P_.template rightCols<kDof>().setZero();
+  P_.template bottomRows<kDof>().setZero();
+  P_.diagonal().template tail<kDof>() = variance;
+  for (auto* by : {&cross_, &pair_cross_}) by->template bottomRows<kDof>().setZero();
+}
+
+template <int kDof>
+void DriveFilterOf<kDof>::coast(double span_s, double since_s, const MotionLimits& limits) {
+  constexpr int kPlaces = kDof == 3 ? 2 : 3;
+  const Pose step = step_at(velocity_, span_s);
+  Eigen::Matrix<double, kStates, kStates> F = Eigen::Matrix<double, kStates, kStates>::Identity();
+  F.template topLeftCorner<kDof, kDof>() = by_step<kDof>(T_map_vehicle_, step);
+  const Eigen::Matrix3d R = span_s * T_map_vehicle_.rotation.toRotationMatrix();
+  F.template block<kPlaces, kPlaces>(0, kVelocity) = R.template topLeftCorner<kPlaces, kPlaces>();
+  F.template block<kDof - kPlaces, kDof - kPlaces>(kPlaces, kVelocity + kPlaces)
+      .diagonal()
+      .setConstant(span_s);
+  Vector noise2;
+  for (int i = 0; i < kDof; ++i) {
+    const double T = i < kPlaces ? limits.speed_time_s : limits.turn_time_s;
+    const double change = (i < kPlaces ? limits.speed_mps : limits.turn_rate_radps) / T;
+    const double for_s = std::min(since_s + 0.5 * span_s, T);
+    // Velocity fades so that its variance ends at the square of the limit.
+    F(kVelocity + i, kVelocity + i) = std::exp(-span_s * for_s / (T * T));
+    noise2[i] = 2.0 * change * change * for_s * span_s;
+  }
+  P_ = (F * P_ * F.transpose()).eval();
+  P_.diagonal().template tail<kDof>() += noise2;
+  P_.diagonal().template head<kDof>() += span_s * span_s / 3.0 * noise2;
+  for (auto* by : {&cross_, &pair_cross_})
+    for (Eigen::Index k = 0; k < by->cols(); ++k) by->col(k) = F * State(by->col(k));
+  velocity_ = F.diagonal().template tail<kDof>().cwiseProduct(velocity_);
+  T_map_vehicle_ = T_map_vehicle_ * step;
+}
+
+template <int kDof>
+void DriveFilterOf<kDof>::end_coasting(const Vector& velocity, const Vector& variance) {
+  if (!coasting_) return;
+  for (int i = 0; i < kDof; ++i) {
+    const int at = kVelocity + i;
+    const State gain = P_.col(at) / (P_(at, at) + variance[i]);
+    const double innovation = velocity[i] - velocity_[i];
+    for (auto* by : {&cross_, &pair_cross_})
+      for (Eigen::Index k = 0; k < by->cols(); ++k) by->col(k) -= gain * (*by)(at, k);
+    P_ -= (gain * P_.row(at)).eval();
+    P_ = (0.5 * (P_ + P_.transpose())).eval();
+    const State moved = gain * innovation;
+    velocity_ += moved.template tail<kDof>();
+    move(moved, T_map_vehicle_, speed_offset_mps_);
+  }
+  begin_coasting(velocity_, Vector::Zero());
+  coasting_ = false;
+}
+
+template <int kDof>
+void DriveFilterOf<kDof>::move(const State& by, Pose& pose, double& speed_offset_mps) const {
+  pose = retract(pose, by.template head<kDof>(), kMotion);
+  speed_offset_mps += by[kSpeed];
 }
 
 template <int kDof>
@@ -155,21 +250,41 @@ double DriveFilterOf<kDof>::weight_variance_s2(const ArrivalObservation& a) {
   return variance;
 }
 
-/// Schmidt's update in Joseph's form, which keeps the covariance positive for any gain.
+/// Schmidt's update in Joseph's form, which keeps the covariance positive for any gain; with a share below
+/// one, the covariance of the mixture of both hypotheses.
 template <int kDof>
-void DriveFilterOf<kDof>::correct(const Vector& gain, const Eigen::Matrix<double, 1, kDof>& H,
-                                  const Considered& considered, double noise2) {
-  const Covariance A = Covariance::Identity() - gain * H;
-  const Covariance mixed = A * considered.cross * gain.transpose();
-  covariance_ = (A * covariance_ * A.transpose() - mixed - mixed.transpose() +
-                 (noise2 + considered.variance) * gain * gain.transpose())
-                    .eval();
-  for (Eigen::Index k = 0; k < cross_.cols(); ++k)
-    cross_.col(k) = A * Vector(cross_.col(k)) - by_theta_[k] * gain;
-  for (Eigen::Index k = 0; k < pair_cross_.cols(); ++k) pair_cross_.col(k) = A * Vector(pair_cross_.col(k));
+template <int kCount>
+void DriveFilterOf<kDof>::correct(const State& whole_gain, const Row& whole_H, const Considered& considered,
+                                  double noise2, double share, const State& moved) {
+  using Block = Eigen::Matrix<double, kCount, kCount>;
+  const Eigen::Matrix<double, kCount, 1> gain = whole_gain.template head<kCount>(),
+                                         m = moved.template head<kCount>();
+  const Eigen::Matrix<double, 1, kCount> H = whole_H.template head<kCount>();
+  auto P = P_.template topLeftCorner<kCount, kCount>();
+  const Block A = Block::Identity() - gain * H;
+  const Block mixed = A * considered.cross.template head<kCount>() * gain.transpose();
+  const Block corrected = A * P * A.transpose() - mixed - mixed.transpose() +
+                          (noise2 + considered.variance) * gain * gain.transpose();
+  P = (share * corrected + (1.0 - share) * P + share * (1.0 - share) * m * m.transpose()).eval();
+  for (Eigen::Index k = 0; k < cross_.cols(); ++k) {
+    auto column = cross_.col(k).template head<kCount>();
+    column -= share * (H.dot(column) + by_theta_[k]) * gain;
+  }
+  for (Eigen::Index k = 0; k < pair_cross_.cols(); ++k) {
+    auto column = pair_cross_.col(k).template head<kCount>();
+    column -= share * H.dot(column) * gain;
+  }
   if (considered.pair >= 0)
-    pair_cross_.col(considered.pair) -=
-        model_.correlated.pair_sigma_s * model_.correlated.pair_sigma_s * gain;
+    pair_cross_.col(considered.pair).template head<kCount>() -=
+        share * model_.correlated.pair_sigma_s * model_.correlated.pair_sigma_s * gain;
+}
+
+template <int kDof>
+double DriveFilterOf<kDof>::straight_share(double innovation, double variance) const {
+  if (echo_share_ == 0.0) return 1.0;
+  const double straight = (1.0 - echo_share_) * std::exp(-0.5 * innovation * innovation / variance) /
+                          std::sqrt(2.0 * std::numbers::pi * variance);
+  return straight / (straight + (innovation > 0 ? 1.0 : kEarlyShare) * echo_share_ / kEchoSpan_s);
 }
 
 template <int kDof>
@@ -183,10 +298,10 @@ double DriveFilterOf<kDof>::single_variance_s2(const ArrivalObservation& a, doub
 template <int kDof>
 bool DriveFilterOf<kDof>::within_gate(const ArrivalObservation& a, const PathOutput& path, double single2,
                                       Considered& considered, double& innovation) {
-  const Eigen::Matrix<double, 1, kDof> H = path.tof_by_pose.template head<kDof>();
+  const Row H = row_of(path);
   innovation = a.tof_s - path.tof_s;
   considered = consider(path, a);
-  const double predicted2 = H * covariance_ * H.transpose();
+  const double predicted2 = H * P_ * H.transpose();
   const double calibration2 = considered.any ? considered.variance + 2.0 * H.dot(considered.cross)
                                              : calibration_variance_s2(model_, a.beacon, path);
   return innovation * innovation <= gate_sigmas_ * gate_sigmas_ * (predicted2 + single2 + calibration2);
@@ -197,6 +312,7 @@ bool DriveFilterOf<kDof>::fits(const Trajectory& trajectory, const ArrivalObserv
   if (!model_.beacon_usable[a.beacon.index()]) return false;
   PathInput in = path_of(trajectory, a, model_.state);
   in.T_map_vehicle = &T_map_vehicle_;
+  in.speed_mps += speed_offset_mps_;
   Considered considered;
   double innovation = 0.0;
   return within_gate(a, predict_arrival(in, kMotion), single_variance_s2(a, in.speed_mps), considered,
@@ -210,7 +326,10 @@ void DriveFilterOf<kDof>::copy_state(const DriveFilterOf& other) {
   pair_cross_ = other.pair_cross_;
   recent_ = other.recent_;
   T_map_vehicle_ = other.T_map_vehicle_;
-  covariance_ = other.covariance_;
+  speed_offset_mps_ = other.speed_offset_mps_;
+  coasting_ = other.coasting_;
+  velocity_ = other.velocity_;
+  P_ = other.P_;
   acceptance_ = other.acceptance_;
 }
 
@@ -218,35 +337,51 @@ template <int kDof>
 Rejection DriveFilterOf<kDof>::update(const Trajectory& trajectory, const ArrivalObservation& a) {
   if (!model_.beacon_usable[a.beacon.index()]) return Rejection::kBeaconUnusable;
   PathInput in = path_of(trajectory, a, model_.state);
-  const double single2 = single_variance_s2(a, in.speed_mps);
-  double noise2 = single2;
+  const double single2 = single_variance_s2(a, in.speed_mps), base_mps = in.speed_mps;
+  double noise2 = single2, innovation = 0.0, first_innovation = 0.0, first_variance = 1.0;
 
-  // Iterated: the measurement is linearised where it puts the pose; the misfit of the prior comes along in
+  // Iterated: the measurement is linearised where it puts the state; the misfit of the prior comes along in
   // `moved`.
   Pose T = T_map_vehicle_;
-  Vector moved = Vector::Zero(), gain = Vector::Zero();
-  Eigen::Matrix<double, 1, kDof> H = Eigen::Matrix<double, 1, kDof>::Zero();
+  double speed_offset_mps = speed_offset_mps_;
+  State moved = State::Zero(), gain = State::Zero();
+  Row H = Row::Zero();
   Considered considered;
   for (int k = 0; k < kIterations; ++k) {
     in.T_map_vehicle = &T;
+    in.speed_mps = base_mps + speed_offset_mps;
     const PathOutput out = predict_arrival(in, kMotion);
-    H = out.tof_by_pose.template head<kDof>();
-    double innovation = a.tof_s - out.tof_s + H.dot(moved);
+    H = row_of(out);
+    innovation = a.tof_s - out.tof_s + H.dot(moved);
     if (k == 0) {
       if (!within_gate(a, out, single2, considered, innovation)) {
         acceptance_ -= kForget * acceptance_;
         return innovation > 0 ? Rejection::kLate : Rejection::kEarly;
       }
       noise2 += weight_variance_s2(a) - a.sigma_s * a.sigma_s;
+      first_innovation = innovation;
     }
-    const double predicted2 = H * covariance_ * H.transpose();
-    const double S = predicted2 + 2.0 * H.dot(considered.cross) + considered.variance + noise2;
-    gain = (covariance_ * H.transpose() + considered.cross) / S;
+    const State PH = P_ * H.transpose();
+    const double S = H.dot(PH) + 2.0 * H.dot(considered.cross) + considered.variance + noise2;
+    if (k == 0) first_variance = S;
+    gain = (PH + considered.cross) / S;
     moved = gain * innovation;
-    T = retract(T_map_vehicle_, moved, kMotion);
+    T = T_map_vehicle_;
+    speed_offset_mps = speed_offset_mps_;
+    move(moved, T, speed_offset_mps);
   }
-  correct(gain, H, considered, noise2);
-  T_map_vehicle_ = T;
+  const double share = straight_share(first_innovation, first_variance);
+  if (coasting_) {
+    correct<kStates>(gain, H, considered, noise2, share, moved);
+    velocity_ += share * moved.template tail<kDof>();
+  } else {
+    correct<kVelocity>(gain, H, considered, noise2, share, moved);
+  }
+  move(share * moved, T_map_vehicle_, speed_offset_mps_);
+  if (share < 0.5) {
+    acceptance_ -= kForget * acceptance_;
+    return first_innovation > 0 ? Rejection::kLate : Rejection::kEarly;
+  }
   acceptance_ += kForget * (1.0 - acceptance_);
   return Rejection::kUsed;
 }

@@ -14,11 +14,29 @@
 
 namespace octant {
 
-/// Iterated extended Kalman filter of a drive, of 3 degrees of freedom in the plane or 6 in space: odometry
-/// moves the pose, arrivals correct it one by one; those beyond the gate are left out. Runs forward or, with
-/// the steps inverted, backward in time. With a calibration, its parameters theta (covariance C) and a
-/// lasting bias of each pair are considered, not estimated: the filter carries their covariance with the
-/// pose, so that what does not average out stays in what it states (Schmidt, Application of state-space
+/// An unknown offset of the speed of sound, common to all arrivals of a drive.
+struct SpeedBelief {
+  double offset_mps = 0.0;      ///< from the speed that the deployment states
+  double variance_m2ps2 = 0.0;  ///< 0: the speed is known
+};
+
+/// Bounded acceleration of a coasting vehicle (Singer, IEEE Trans. AES-6, 1970): after g seconds without
+/// odometry each axis has changed its velocity by a sigma of a min(g, T), with a = v / T for the largest
+/// velocity v and the time T in which the vehicle reaches it.
+struct MotionLimits {
+  double speed_mps = 1.0, speed_time_s = 1.0;
+  double turn_rate_radps = 1.0, turn_time_s = 1.0;
+};
+
+/// Iterated extended Kalman filter of a drive, of 3 degrees of freedom in the plane or 6 in space. Odometry
+/// moves the pose, arrivals correct it one by one. Arrivals beyond the gate are left out. Runs forward or,
+/// with the steps inverted, backward in time. The offset of the speed of sound is a state as well, with no
+/// variance where the speed is known. Where odometry is missing the filter coasts: the velocity becomes a
+/// state until odometry is back. With an echo share each arrival corrects by the probability that it came
+/// straight (probabilistic data association, Bar-Shalom and Tse, Automatica 11, 1975), so that an ambiguous
+/// one widens the covariance instead of narrowing it. With a calibration, its parameters theta (covariance C)
+/// and a lasting bias of each pair are considered, not estimated: the filter carries their covariance with
+/// the pose, so that what does not average out stays in what it states (Schmidt, Application of state-space
 /// methods to navigation problems, Advances in Control Systems 3, 1966; Jazwinski 1970, section 8.4). An
 /// arrival that shares its error with those of its pair before it is weighed by what it adds
 /// (correlated_arrivals.h).
@@ -27,6 +45,10 @@ class DriveFilterOf {
  public:
   using Vector = Eigen::Matrix<double, kDof, 1>;
   using Covariance = Eigen::Matrix<double, kDof, kDof>;  ///< of the pose's tangent, as Motion has it
+  /// States: the pose's tangent, the speed's offset [m/s], and the velocity in the vehicle's frame.
+  static constexpr int kSpeed = kDof, kVelocity = kDof + 1, kStates = 2 * kDof + 1;
+  using State = Eigen::Matrix<double, kStates, 1>;
+  using Row = Eigen::Matrix<double, 1, kStates>;
   static constexpr Motion kMotion = kDof == 3 ? Motion::kPlanar : Motion::kSpatial;
 
   /// @param calibration  null: what calibration may be off by widens the gate only
@@ -35,6 +57,33 @@ class DriveFilterOf {
 
   /// @param by  how the pose follows an error of each considered parameter; null: not at all
   void start(const Pose& T_map_vehicle, const Covariance& covariance, const NodeCalibration* by = nullptr);
+  /// Begins where another filter is, with its speed and velocity, and another covariance of the pose.
+  void start_as(const DriveFilterOf& other, const Covariance& covariance);
+  /// Begins with a speed that was estimated together with the pose. @param by_speed  how the pose follows it
+  void set_speed(const SpeedBelief& speed, const Vector& by_speed = Vector::Zero());
+  [[nodiscard]] SpeedBelief speed() const { return {speed_offset_mps_, P_(kSpeed, kSpeed)}; }
+  /// Lets the speed of sound change as air does, a degree an hour.
+  void drift_speed(double span_s);
+  /// The pose may be off by that vector as well.
+  void widen(const Vector& off) { P_.template topLeftCorner<kDof, kDof>() += off * off.transpose(); }
+  /// From here on odometry is missing. @param velocity, variance  in the vehicle's frame, by axis
+  void begin_coasting(const Vector& velocity, const Vector& variance);
+  /// Moves on by the velocity. @param since_s  how long odometry has been missing
+  void coast(double span_s, double since_s, const MotionLimits& limits);
+  /// Odometry is back, and measures the velocity at the end of the gap.
+  void end_coasting(const Vector& velocity, const Vector& variance);
+  /// Whether the sigmas of place and turn are below these.
+  [[nodiscard]] bool is_within(double place_m, double turn_rad) const {
+    constexpr int kPlaces = kDof == 3 ? 2 : 3;
+    const auto variances = P_.diagonal();
+    return variances.template head<kPlaces>().maxCoeff() < place_m * place_m &&
+           variances.template segment<kDof - kPlaces>(kPlaces).maxCoeff() < turn_rad * turn_rad;
+  }
+  [[nodiscard]] bool is_coasting() const { return coasting_; }
+  [[nodiscard]] const Vector& velocity() const { return velocity_; }
+  [[nodiscard]] Covariance velocity_covariance() const { return P_.template bottomRightCorner<kDof, kDof>(); }
+  /// Share of arrivals that are echoes; 0: each arrival within the gate came straight.
+  void set_echo_share(double share) { echo_share_ = share; }
   /// Moves on by a part of an odometry step: `step` is that part, `share` its share of the whole step's
   /// variance.
   void predict(const Pose& step, const OdometryObservation& whole, double share);
@@ -47,7 +96,7 @@ class DriveFilterOf {
   void copy_state(const DriveFilterOf& other);
 
   [[nodiscard]] const Pose& pose() const { return T_map_vehicle_; }
-  [[nodiscard]] const Covariance& covariance() const { return covariance_; }
+  [[nodiscard]] Covariance covariance() const { return P_.template topLeftCorner<kDof, kDof>(); }
   /// Of the recent arrivals (exponentially forgotten over some thirty) too few could be used.
   [[nodiscard]] bool is_lost() const { return acceptance_ < 0.35; }
   void set_range_uncertainty(double range_uncertainty_m) { range_uncertainty_m_ = range_uncertainty_m; }
@@ -57,27 +106,36 @@ class DriveFilterOf {
 
  private:
   struct Considered;
+  [[nodiscard]] static Row row_of(const PathOutput& path);
   [[nodiscard]] Considered consider(const PathOutput& path, const ArrivalObservation& arrival);
   [[nodiscard]] double weight_variance_s2(const ArrivalObservation& arrival);
   [[nodiscard]] double single_variance_s2(const ArrivalObservation& arrival, double speed_mps) const;
   /// Whether an innovation is within the gate; fills what else the prediction follows.
   bool within_gate(const ArrivalObservation& arrival, const PathOutput& path, double single2,
                    Considered& considered, double& innovation);
-  void correct(const Vector& gain, const Eigen::Matrix<double, 1, kDof>& H, const Considered& considered,
-               double noise2);
+  /// Corrects the first kCount states, the ones in use. @param share  probability that it came straight
+  template <int kCount>
+  void correct(const State& gain, const Row& H, const Considered& considered, double noise2, double share,
+               const State& moved);
+  [[nodiscard]] double straight_share(double innovation, double variance) const;
+  void move(const State& by, Pose& pose, double& speed_offset_mps) const;
 
   const EpochFixModel& model_;
   const CalibrationPart* calibration_;
   double gate_sigmas_, range_uncertainty_m_;
-  Eigen::Matrix<double, kDof, Eigen::Dynamic> cross_,
-      pair_cross_;            ///< covariance of the pose with theta and with each pair's bias
+  double echo_share_ = 0.0;
+  Eigen::Matrix<double, kStates, Eigen::Dynamic> cross_,
+      pair_cross_;            ///< covariance of the states with theta and with each pair's bias
   Eigen::VectorXd by_theta_;  ///< C h_theta of an arrival
   struct Recent {
     double time_s = 0.0, sum = 0.0;  ///< arrivals of a pair, each forgotten by the correlation time
   };
   std::vector<Recent> recent_;  ///< of each pair; empty: errors are independent
   Pose T_map_vehicle_;
-  Covariance covariance_ = Covariance::Identity();
+  double speed_offset_mps_ = 0.0;
+  bool coasting_ = false;
+  Vector velocity_ = Vector::Zero();
+  Eigen::Matrix<double, kStates, kStates> P_ = Eigen::Matrix<double, kStates, kStates>::Zero();
   double acceptance_ = 1.0;  ///< share of the recent arrivals that were used
 };
 

@@ -5,38 +5,25 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/localizers/chain/chain_calibration.h"
-#include "models/localizers/common/arrival_rejections.h"
 #include "models/localizers/common/calibration_part.h"
 #include "models/localizers/common/trajectory_model.h"
 #include "models/localizers/drive/beacon_bank.h"
 #include "models/localizers/drive/drive_filter.h"
-#include "models/localizers/drive/drive_start.h"
-#include "models/support/scratch.h"
-#include "models/trajectory/odometry_noise.h"
+#include "models/localizers/drive/drive_search.h"
+#include "models/localizers/drive/loss_test.h"
+#include "models/localizers/drive/odometry_queue.h"
+#include "models/physics/plane.h"
 
 namespace octant {
 namespace {
 
-constexpr std::size_t kDriveScratchBytes =
-    9u << 20;  ///< solving for a window of all its nodes twice, and how it follows the calibration
-constexpr std::size_t kMaxNodes = 768, kMaxArrivals = 8192;  ///< of a window
-constexpr double kFilterWindowGrowth = 1.33;
-
-/// What a row says of a vehicle that moves so: in the plane of three of its numbers.
-Pose step_of(const OdometryStep& row, Motion motion) {
-  return motion == Motion::kPlanar ? Pose::planar(row.dx_m, row.dy_m, row.dheading_rad) : row.pose();
-}
-
-OdometryObservation observation(std::size_t node, const OdometryStep& row, double fraction, Motion motion,
-                                const OdometryAccuracy& a) {
-  const OdometryVariance variance = variance_of(row, a);
-  OdometryObservation o;
-  o.node = node;
-  o.T_before_after = interpolate(Pose{}, step_of(row, motion), fraction);
-  o.distance_sigma_m = std::sqrt(fraction * variance.distance_m2);
-  o.heading_sigma_rad = std::sqrt(fraction * variance.heading_rad2);
-  return o;
+constexpr std::size_t kInstantArrivals = 256;
+/// Share of echoes that a robot is to expect.
+constexpr double kEchoShare = 0.1;
+/// Within a window from which a place is searched without odometry a velocity hardly changes [s].
+constexpr double kLasting_s = 0.25;
+std::optional<MotionPrior> motion_of_only_vehicle(const Deployment& d) {
+  return d.vehicles.empty() ? std::nullopt : d.vehicles.front().motion;
 }
 
 }  // namespace
@@ -47,12 +34,18 @@ class DriveTracker::Core {
   Core(const Core&) = delete;
   Core& operator=(const Core&) = delete;
   virtual ~Core() = default;
-  virtual void start(const Pose& T_map_vehicle, const PoseCovariance& covariance) = 0;
-  virtual void move(const OdometryStep& step, double fraction) = 0;
+  virtual void start(const Pose& T_map_vehicle, const PoseCovariance& covariance,
+                     const SpeedBelief& speed) = 0;
+  virtual void advance_to(double time_s) = 0;
   virtual void locate(std::span<const Arrival> arrivals, Fix& fix) = 0;
   [[nodiscard]] virtual Pose pose() const = 0;
   [[nodiscard]] virtual PoseCovariance covariance() const = 0;
+  [[nodiscard]] virtual Velocity velocity() const = 0;
+  [[nodiscard]] virtual SpeedBelief speed() const = 0;
+  [[nodiscard]] virtual SpeedBelief first_speed() const = 0;
   [[nodiscard]] virtual bool is_placed() const = 0;
+  [[nodiscard]] virtual OdometryQueue& odometry() = 0;
+  virtual void predict(double time_s, Fix& fix) = 0;
 };
 
 /// In so many degrees of freedom.
@@ -60,43 +53,59 @@ template <int kDof>
 class DriveTracker::CoreOf final : public Core {
  public:
   using Filter = DriveFilterOf<kDof>;
+  using Vector = typename Filter::Vector;
   CoreOf(const Deployment& deployment, const OdometryAccuracy& odometry, const TrackerOptions& options);
 
-  void start(const Pose& T_map_vehicle, const PoseCovariance& covariance) override;
-  void move(const OdometryStep& step, double fraction) override;
+  void start(const Pose& T_map_vehicle, const PoseCovariance& covariance, const SpeedBelief& speed) override;
+  void advance_to(double time_s) override;
   void locate(std::span<const Arrival> arrivals, Fix& fix) override;
   [[nodiscard]] bool is_placed() const override { return placed_; }
   [[nodiscard]] Pose pose() const override { return filter_.pose(); }
   [[nodiscard]] PoseCovariance covariance() const override { return filter_.covariance(); }
+  [[nodiscard]] Velocity velocity() const override;
+  [[nodiscard]] SpeedBelief speed() const override { return filter_.speed(); }
+  [[nodiscard]] SpeedBelief first_speed() const override {
+    return {0.0, square(search_options_.air_sigma_mps)};
+  }
+  [[nodiscard]] OdometryQueue& odometry() override { return odometry_; }
+  void predict(double time_s, Fix& fix) override;
 
  private:
-  void begin_window(double time_s);
-  void keep_recent_half();
-  void observe_all(std::span<const Arrival> arrivals);
-  /// Tries to find the place from the window, if it is time to.
-  void search();
-  /// Starts a filter where the window's states, as they are solved, have its end.
-  void start_at_end(Filter& filter);
-  /// The same of the states as they are solved without a beacon. A filter that began with little known of
-  /// its attitude instead would not be linear enough to judge another one.
-  void start_without(BeaconId beacon, Filter& filter);
-  [[nodiscard]] Segment window() const;
+  static constexpr int kPlaces = kDof == 3 ? 2 : 3;
+  template <class Visit>
+  void for_each_filter(Visit&& visit);
+  [[nodiscard]] static Vector in_motion(const Velocity& velocity);
+  [[nodiscard]] static Vector variances(double place, double turn);
+  void begin_coasting(Filter& filter) const;
+  void coast(Filter& filter, double span_s, double since_s) const;
+  void step(Filter& filter, const MotionPart& part) const;
+  void coast(double span_s, double since_s);
+  void step(const MotionPart& part);
+  void move_filters(const OdometryObservation& motion);
+  void set_instant(std::span<const Arrival> arrivals);
+  void correct(std::span<const Arrival> arrivals, Fix& fix);
+  void use_arrivals(std::span<const Arrival> arrivals, Fix& fix);
+  void lose();
+  [[nodiscard]] bool is_blind() const {
+    return !filter_.is_within(search_options_.most_place_m, search_options_.most_turn_rad);
+  }
+  void report(Fix& fix);
 
   EpochFixModel model_;
   CalibrationPart calibration_;
   TrackerOptions options_;
-  OdometryAccuracy odometry_;
   TrajectoryModel trajectory_model_;
+  DriveSearchOptions search_options_;
+  OdometryQueue odometry_;
   Filter filter_;
+  Filter ahead_;  ///< predicted on request, by its odometry
+  OdometryQueue odometry_ahead_;
   BeaconBankOf<kDof> bank_;
-  NodeCalibration start_calibration_;  ///< how the place found follows the calibration
+  LossTest loss_;
   bool placed_ = false;
-  Trajectory t_;  ///< the stretch that the place is searched with; with a place: the instant alone
-  std::vector<Node> with_all_;  ///< its nodes, while they are solved without a beacon
-  double next_search_s_ = 0.0;  ///< span of the window at which to search
-  OdometryStep row_;            ///< last row, and how long it took
-  double row_s_ = 0.0;
-  Scratch scratch_;
+  bool is_temperature_known_ = false;  ///< of the last arrival
+  DriveSearchOf<kDof> search_;         ///< without a place, or while it is in doubt
+  Trajectory instant_;                 ///< the arrivals of one instant
 };
 
 template <int kDof>
@@ -105,173 +114,225 @@ DriveTracker::CoreOf<kDof>::CoreOf(const Deployment& deployment, const OdometryA
     : model_(epoch_fix_model(deployment)),
       calibration_(deployment),
       options_(options),
-      odometry_(odometry),
       trajectory_model_(trajectory_model(deployment)),
+      search_options_(drive_search_options(deployment, options)),
+      odometry_(odometry, Filter::kMotion, motion_of_only_vehicle(deployment)),
       filter_(model_, options.rejection_sigmas, options.range_uncertainty_m, &calibration_),
+      ahead_(filter_),
+      odometry_ahead_(odometry_),
       bank_(model_, options.rejection_sigmas, options.range_uncertainty_m, &calibration_, options.protect),
-      start_calibration_(filter_.node_calibration_room()),
-      scratch_(kDriveScratchBytes) {
-  t_.motion = Filter::kMotion;
-  t_.moving = true;
-  t_.turnaround_s = deployment.timing.turnaround_s;
-  t_.nominal_speed_mps = model_.nominal_speed_mps;
-  t_.nodes.reserve(kMaxNodes + 1);
-  with_all_.reserve(kMaxNodes + 1);
-  t_.odometry.reserve(kMaxNodes);
-  t_.arrivals.reserve(kMaxArrivals);
-  t_.T_hear_send.reserve(kMaxArrivals);
-  begin_window(0.0);
+      search_(model_, calibration_, drive_states(trajectory_model_, Filter::kMotion), search_options_) {
+  static_cast<StateSpace&>(instant_) = search_.window().trajectory();
+  instant_.nodes.resize(1);
+  instant_.arrivals.reserve(kInstantArrivals);
+  instant_.T_hear_send.reserve(kInstantArrivals);
+  filter_.set_echo_share(kEchoShare);
+  bank_.set_echo_share(kEchoShare);
 }
 
 template <int kDof>
-void DriveTracker::CoreOf<kDof>::begin_window(double time_s) {
-  t_.nodes.assign(1, {.time_s = time_s, .T_map_vehicle = {}});
-  t_.odometry.clear();
-  t_.arrivals.clear();
-  t_.T_hear_send.clear();
-  next_search_s_ = options_.start_window_s;
-}
-
-/// Forgets the older half of the window.
-template <int kDof>
-void DriveTracker::CoreOf<kDof>::keep_recent_half() {
-  const std::size_t drop = t_.nodes.size() / 2;
-  const auto head = [](auto& list, auto until) { list.erase(list.begin(), until); };
-  head(t_.nodes, t_.nodes.begin() + static_cast<std::ptrdiff_t>(drop));
-  head(t_.odometry, t_.odometry.begin() + static_cast<std::ptrdiff_t>(drop));
-  head(t_.arrivals, t_.arrivals.begin() +
-                        static_cast<std::ptrdiff_t>(first_of_node(t_.arrivals, drop, 0, t_.arrivals.size())));
-  const std::int32_t first =
-      t_.arrivals.empty() || t_.arrivals.front().hear_send < 0 ? 0 : t_.arrivals.front().hear_send;
-  if (!t_.T_hear_send.empty()) head(t_.T_hear_send, t_.T_hear_send.begin() + first);
-  for (OdometryObservation& o : t_.odometry) o.node -= drop;
-  for (ArrivalObservation& a : t_.arrivals) {
-    a.node -= drop;
-    if (a.two_way) a.hear_send -= first;
-  }
-  next_search_s_ =
-      std::min(next_search_s_, kFilterWindowGrowth * (t_.nodes.back().time_s - t_.nodes.front().time_s));
+template <class Visit>
+void DriveTracker::CoreOf<kDof>::for_each_filter(Visit&& visit) {
+  visit(filter_);
+  bank_.for_each_filter(visit);
 }
 
 template <int kDof>
-void DriveTracker::CoreOf<kDof>::start(const Pose& T_map_vehicle, const PoseCovariance& covariance) {
+void DriveTracker::CoreOf<kDof>::start(const Pose& T_map_vehicle, const PoseCovariance& covariance,
+                                       const SpeedBelief& speed) {
   filter_.start(T_map_vehicle, covariance);
   filter_.set_range_uncertainty(options_.range_uncertainty_m);
+  filter_.set_speed(speed);
   bank_.start();
+  loss_.clear();
   placed_ = true;
+  if (!odometry_.has_rows()) begin_coasting(filter_);
 }
 
 template <int kDof>
-void DriveTracker::CoreOf<kDof>::move(const OdometryStep& step, double fraction) {
-  if (step.time_s != row_.time_s) {
-    row_s_ = step.time_s - row_.time_s;
-    row_ = step;
+typename DriveTracker::CoreOf<kDof>::Vector DriveTracker::CoreOf<kDof>::in_motion(const Velocity& v) {
+  if constexpr (kDof == 6) {
+    return v;
+  } else {
+    return Vector(v[0], v[1], v[5]);
   }
-  const OdometryObservation o = observation(t_.nodes.size() - 1, step, fraction, Filter::kMotion, odometry_);
+}
+
+template <int kDof>
+typename DriveTracker::CoreOf<kDof>::Vector DriveTracker::CoreOf<kDof>::variances(double place, double turn) {
+  Vector variance;
+  variance.template head<kPlaces>().setConstant(place);
+  variance.template tail<kDof - kPlaces>().setConstant(turn);
+  return variance;
+}
+
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::begin_coasting(Filter& filter) const {
+  filter.begin_coasting(in_motion(odometry_.velocity()),
+                        variances(odometry_.speed_variance(), odometry_.turn_rate_variance()));
+}
+
+/// Odometry is missing.
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::coast(Filter& filter, double span_s, double since_s) const {
+  if (!filter.is_coasting()) begin_coasting(filter);
+  filter.coast(span_s, since_s, odometry_.limits());
+  filter.drift_speed(span_s);
+}
+
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::step(Filter& filter, const MotionPart& part) const {
+  filter.end_coasting(in_motion(part.velocity), variances(part.speed_variance, part.turn_rate_variance));
+  filter.drift_speed(part.span_s);
+  filter.predict(part.observation.T_before_after, part.observation, 1.0);
+}
+
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::coast(double span_s, double since_s) {
+  const MotionLimits& limits = odometry_.limits();
+  OdometryObservation motion;
+  // A velocity that lasts for that time moves the vehicle by no more.
+  motion.distance_sigma_m = limits.speed_mps * std::sqrt(std::min(limits.speed_time_s, kLasting_s) * span_s);
+  motion.heading_sigma_rad =
+      limits.turn_rate_radps * std::sqrt(std::min(limits.turn_time_s, kLasting_s) * span_s);
   if (placed_) {
-    filter_.predict(o.T_before_after, o, 1.0);
-    bank_.predict(o.T_before_after, o, 1.0);
-    return;
+    const Pose before = filter_.pose();
+    for_each_filter([&](Filter& filter) { coast(filter, span_s, since_s); });
+    motion.T_before_after = before.inverse() * filter_.pose();
   }
-  if (t_.nodes.size() >= kMaxNodes ||
-      t_.nodes.back().time_s - t_.nodes.front().time_s > options_.max_start_window_s)
-    keep_recent_half();
-  t_.odometry.push_back(o);
-  t_.odometry.back().node = t_.nodes.size() - 1;
-  t_.nodes.push_back({.time_s = t_.nodes.back().time_s + fraction * row_s_, .T_map_vehicle = {}});
+  odometry_.remember(motion, span_s);
+  search_.window().step(motion, span_s);
+  if (placed_ && is_blind()) lose();
 }
 
 template <int kDof>
-void DriveTracker::CoreOf<kDof>::observe_all(std::span<const Arrival> arrivals) {
-  const Pose row = step_of(row_, Filter::kMotion);
+void DriveTracker::CoreOf<kDof>::step(const MotionPart& part) {
+  if (placed_) for_each_filter([&](Filter& filter) { step(filter, part); });
+  odometry_.remember(part.observation, part.span_s);
+  search_.window().step(part.observation, part.span_s);
+}
+
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::predict(double time_s, Fix& fix) {
+  if (!placed_) return;
+  ahead_.copy_state(filter_);
+  odometry_ahead_ = odometry_;
+  odometry_ahead_.advance_to(
+      time_s, [this](const MotionPart& part) { step(ahead_, part); },
+      [this](double span_s, double since_s) { coast(ahead_, span_s, since_s); });
+  fix.status = FixStatus::kOk;
+  fix.T_map_vehicle = ahead_.pose();
+  fix.covariance = ahead_.covariance();
+}
+
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::move_filters(const OdometryObservation& motion) {
+  for_each_filter([&](Filter& filter) { filter.predict(motion.T_before_after, motion, 1.0); });
+}
+
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::advance_to(double time_s) {
+  if (!odometry_.has_begun()) odometry_.begin(time_s);
+  if (search_.window().is_new()) search_.begin(odometry_.now_s());
+  const bool was_placed = placed_;
+  odometry_.advance_to(
+      time_s, [this](const MotionPart& part) { step(part); },
+      [this](double span_s, double since_s) { coast(span_s, since_s); });
+  // What was received before a long gap says nothing of the place behind it.
+  if (was_placed && !placed_) search_.begin(odometry_.now_s());
+}
+
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::lose() {
+  placed_ = false;
+  loss_.clear();
+}
+
+template <int kDof>
+Velocity DriveTracker::CoreOf<kDof>::velocity() const {
+  if (!filter_.is_coasting()) return odometry_.velocity();
+  Velocity velocity = Velocity::Zero();
+  const Vector& v = filter_.velocity();
+  if constexpr (kDof == 3) {
+    velocity << v[0], v[1], 0.0, 0.0, 0.0, v[2];
+  } else {
+    velocity = v;
+  }
+  return velocity;
+}
+
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::set_instant(std::span<const Arrival> arrivals) {
+  instant_.nodes.front().time_s = arrivals.front().time_s;
+  instant_.arrivals.clear();
+  instant_.T_hear_send.clear();
   for (const Arrival& a : arrivals) {
-    if (t_.arrivals.size() == kMaxArrivals) keep_recent_half();
     ArrivalObservation o = observe(a, trajectory_model_, speed_of(a, trajectory_model_));
-    o.node = t_.nodes.size() - 1;
     if (o.two_way) {
-      // What it moved between asking and hearing, at the speed of the last row.
-      o.hear_send = static_cast<std::int32_t>(t_.T_hear_send.size());
-      t_.T_hear_send.push_back(
-          row_s_ > 0 ? interpolate(Pose{}, row, std::min(a.tof_s / row_s_, 1.0)).inverse() : Pose());
+      // How far it moved between asking and hearing.
+      const Velocity v = a.tof_s * velocity();
+      o.hear_send = static_cast<std::int32_t>(instant_.T_hear_send.size());
+      instant_.T_hear_send.push_back(Pose{v.head<3>(), exp_rotation(v.tail<3>())}.inverse());
     }
     o.rejection = model_.beacon_usable[a.beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
-    t_.arrivals.push_back(o);
+    is_temperature_known_ = std::isfinite(a.temperature_degC);
+    instant_.arrivals.push_back(o);
   }
 }
 
+/// Corrects the filters, at the state of the arrivals' time where that is past.
 template <int kDof>
-Segment DriveTracker::CoreOf<kDof>::window() const {
-  Segment all;
-  all.last_node = t_.nodes.size();
-  all.last_arrival = t_.arrivals.size();
-  all.last_odometry = t_.odometry.size();
-  return all;
+void DriveTracker::CoreOf<kDof>::correct(std::span<const Arrival> arrivals, Fix& fix) {
+  const double time_s = arrivals.front().time_s;
+  const auto move = [this](const OdometryObservation& motion) { move_filters(motion); };
+  odometry_.back_to(time_s, move);
+  use_arrivals(arrivals, fix);
+  odometry_.forward_from(time_s, move);
 }
 
 template <int kDof>
-void DriveTracker::CoreOf<kDof>::search() {
-  const double span_s = t_.nodes.back().time_s - t_.nodes.front().time_s;
-  if (span_s < next_search_s_ || t_.nodes.size() < 2) return;
-  next_search_s_ = kFilterWindowGrowth * span_s;
-  const ScratchScope scope(scratch_);
-  const Segment all = window();
-  if (!place_stretch(t_, all, model_, options_)) return;
-  start_at_end(filter_);
-  const double uncertainty_m = independent_uncertainty_m(t_, all, model_, options_.range_uncertainty_m);
-  filter_.set_range_uncertainty(uncertainty_m);
-  bank_.start(filter_, t_, [this](BeaconId beacon, Filter& filter) { start_without(beacon, filter); });
-  bank_.set_range_uncertainty(uncertainty_m);
-  placed_ = true;
-}
-
-template <int kDof>
-void DriveTracker::CoreOf<kDof>::start_at_end(Filter& filter) {
-  const Segment all = window();
-  const std::size_t now = t_.nodes.size() - 1;
-  const ChainFactor chain = factor_chain(t_, all, model_.state);
-  if (chain.ok) node_calibration(t_, all, model_.state, chain, calibration_, now, start_calibration_);
-  filter.start(t_.nodes[now].T_map_vehicle,
-               start_covariance(t_, all, model_, options_.range_uncertainty_m, now),
-               chain.ok ? &start_calibration_ : nullptr);
-}
-
-template <int kDof>
-void DriveTracker::CoreOf<kDof>::start_without(BeaconId beacon, Filter& filter) {
-  const ScratchScope scope(scratch_);
-  with_all_ = t_.nodes;
-  const Segment all = window();
-  set_rejections(t_, all, beacon, Rejection::kUsed, Rejection::kBeaconFault);
-  refine_stretch(t_, all, model_, options_.range_uncertainty_m);
-  start_at_end(filter);
-  set_rejections(t_, all, beacon, Rejection::kBeaconFault, Rejection::kUsed);
-  t_.nodes = with_all_;
+void DriveTracker::CoreOf<kDof>::use_arrivals(std::span<const Arrival> arrivals, Fix& fix) {
+  const bool was_calm = loss_.is_calm();
+  for (std::size_t i = 0; i < arrivals.size(); ++i) {
+    fix.rejections[i] = bank_.update(filter_, instant_, instant_.arrivals[i]);
+    if (is_by_residual(fix.rejections[i]))
+      loss_.add(arrivals[i].beacon, arrivals[i].time_s, fix.rejections[i] == Rejection::kUsed);
+  }
+  count_rejections(fix);
+  if (was_calm) search_.begin(odometry_.now_s());
+  search_.window().add(instant_);
+  if (loss_.is_lost()) return lose();
+  if (fix.arrivals_used == 0 || !loss_.is_calm()) return;
+  report(fix);
 }
 
 template <int kDof>
 void DriveTracker::CoreOf<kDof>::locate(std::span<const Arrival> arrivals, Fix& fix) {
-  fix.time_s = arrivals.front().time_s;
+  const double time_s = arrivals.front().time_s;
+  fix.time_s = time_s;
   fix.vehicle = arrivals.front().vehicle;
   fix.status = FixStatus::kNoConsensus;
   fix.rejections.assign(arrivals.size(), Rejection::kNoPose);
-  if (placed_) {
-    begin_window(arrivals.front().time_s);
-    observe_all(arrivals);
-    for (std::size_t i = 0; i < arrivals.size(); ++i)
-      fix.rejections[i] = bank_.update(filter_, t_, t_.arrivals[i]);
-    placed_ = !filter_.is_lost();
-    if (!placed_) begin_window(arrivals.front().time_s);
-  } else {
-    // The window's clock is the arrivals': rows bring but how long they took.
-    const double late_s = arrivals.front().time_s - t_.nodes.back().time_s;
-    for (Node& node : t_.nodes) node.time_s += late_s;
-    observe_all(arrivals);
-    search();
-    for (std::size_t i = 0; placed_ && i < arrivals.size(); ++i)
-      fix.rejections[i] =
-          model_.beacon_usable[arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
-  }
   count_rejections(fix);
+  advance_to(time_s);
+  if (time_s < odometry_.oldest_s()) return;
+  set_instant(arrivals);
+  if (placed_) return correct(arrivals, fix);
+  search_.window().add(instant_);
+  if (time_s < odometry_.now_s()) return;
+  placed_ = search_.search(is_temperature_known_, filter_, bank_, ahead_);
   if (!placed_) return;
+  loss_.clear();
+  if (!odometry_.has_rows()) for_each_filter([this](Filter& filter) { begin_coasting(filter); });
+  for (std::size_t i = 0; i < arrivals.size(); ++i)
+    fix.rejections[i] =
+        model_.beacon_usable[arrivals[i].beacon.index()] ? Rejection::kUsed : Rejection::kBeaconUnusable;
+  count_rejections(fix);
+  report(fix);
+}
+
+template <int kDof>
+void DriveTracker::CoreOf<kDof>::report(Fix& fix) {
   fix.status = FixStatus::kOk;
   fix.protection_level_m = bank_.protection_level_m(filter_);
   fix.T_map_vehicle = filter_.pose();
@@ -293,13 +354,32 @@ DriveTracker::DriveTracker(DriveTracker&&) noexcept = default;
 DriveTracker& DriveTracker::operator=(DriveTracker&&) noexcept = default;
 
 void DriveTracker::start(const Pose& T_map_vehicle, const PoseCovariance& covariance) noexcept {
-  core_->start(T_map_vehicle, covariance);
+  core_->start(T_map_vehicle, covariance, core_->first_speed());
 }
 
-void DriveTracker::move(const OdometryStep& step, double fraction) noexcept { core_->move(step, fraction); }
+void DriveTracker::start(const DriveTracker& other, const PoseCovariance& widened_by) noexcept {
+  core_->odometry() = other.core_->odometry();
+  if (other.is_placed()) core_->start(other.pose(), other.covariance() + widened_by, other.core_->speed());
+}
+
+bool DriveTracker::move(const OdometryStep& row) noexcept { return core_->odometry().insert(row); }
+bool DriveTracker::move(double time_s, const Pose& T_odometry_vehicle) noexcept {
+  return core_->odometry().insert(time_s, T_odometry_vehicle);
+}
+bool DriveTracker::covers(double time_s) const { return core_->odometry().covers(time_s); }
+bool DriveTracker::has_odometry() const { return core_->odometry().has_rows(); }
+std::optional<double> DriveTracker::now_s() const {
+  const OdometryQueue& odometry = core_->odometry();
+  return odometry.has_begun() ? std::optional(odometry.now_s()) : std::nullopt;
+}
+double DriveTracker::oldest_s() const { return core_->odometry().oldest_s(); }
+void DriveTracker::advance_to(double time_s) noexcept { core_->advance_to(time_s); }
+void DriveTracker::predict(double time_s, Fix& fix) noexcept { core_->predict(time_s, fix); }
 bool DriveTracker::is_placed() const { return core_->is_placed(); }
 Pose DriveTracker::pose() const { return core_->pose(); }
 PoseCovariance DriveTracker::covariance() const { return core_->covariance(); }
+Eigen::Matrix<double, 6, 1> DriveTracker::velocity() const { return core_->velocity(); }
+double DriveTracker::speed_offset_mps() const { return core_->speed().offset_mps; }
 
 void DriveTracker::locate_known(const Observations& observations, Fix& fix) noexcept {
   clear(fix);

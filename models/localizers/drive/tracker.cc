@@ -16,7 +16,6 @@
 #include "models/localizers/drive/drive_tracker.h"
 #include "models/localizers/drive/drive_uncertainty.h"
 #include "models/localizers/drive/motion_start.h"
-#include "models/localizers/drive/odometry_track.h"
 #include "models/localizers/drive/rigid_path.h"
 #include "models/localizers/least_squares/node_adjustment.h"
 #include "models/localizers/space/rough_path.h"
@@ -209,13 +208,13 @@ bool track_causal(const MeasurementLog& log, VehicleId vehicle, const Deployment
     if (a.vehicle == vehicle && a.time_s >= steps.front().time_s && a.time_s <= steps.back().time_s)
       arrivals.push_back(a);
   DriveTracker tracker(deployment, log.odometry_accuracy, options);
-  OdometryCursor cursor(steps, steps.front().time_s);
   const auto before = static_cast<std::ptrdiff_t>(fixes.size());
+  std::size_t next = 0;
   for (std::size_t first = 0; first < arrivals.size();) {
     std::size_t last = first;
     while (last < arrivals.size() && arrivals[last].time_s == arrivals[first].time_s) ++last;
-    cursor.advance_to(arrivals[first].time_s,
-                      [&](const OdometryStep& step, double fraction) { tracker.move(step, fraction); });
+    while (next < steps.size() && (next == 0 || steps[next - 1].time_s < arrivals[first].time_s))
+      static_cast<void>(tracker.move(steps[next++]));
     tracker.locate(Observations{std::span(arrivals).subspan(first, last - first), {}}, fixes.emplace_back());
     first = last;
   }

@@ -21,8 +21,9 @@ struct TrackerOptions {
   bool protect = false;  ///< protection levels. Of a filter: as many filters more as beacons are heard, and
                          ///< one whose beacon is at fault takes over; of a smoothed drive: as many solutions
                          ///< more (chain_protection.h; space_track.h)
-  int threads = 1;       ///< on stretches of a drive that is smoothed
-  bool smooth = true;    ///< use the whole run (fixed-interval smoothing); false: only what came before
+  bool estimate_speed = false;  ///< of a filter: the speed is unknown where arrivals state no temperature
+  int threads = 1;              ///< on stretches of a drive that is smoothed
+  bool smooth = true;  ///< use the whole run (fixed-interval smoothing); false: only what came before
 };
 
 /// Initial states of a moving trajectory with odometry: stretches are placed as rigid pieces of the odometry

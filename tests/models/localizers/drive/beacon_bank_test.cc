@@ -102,7 +102,7 @@ TEST(BeaconBank, ABeaconThatWasOffBeforeTheStartStaysWithinTheLevelInSpace) {
     EXPECT_EQ(levels.beyond, 0) << seed;
     given += levels.given;
   }
-  EXPECT_GT(given, 6000);
+  EXPECT_GT(given, 5000);  // arrivals of the beacon that is left out give no fix
 }
 
 TEST(BeaconBank, BlamesNoGoodBeaconInSpace) {

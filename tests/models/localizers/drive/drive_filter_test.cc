@@ -136,7 +136,9 @@ TEST(DriveFilter, LeavesOutWhatIsBeyondTheGateAndSaysOnWhichSide) {
     EXPECT_EQ(filter.fits(hall.t, a), want == Rejection::kUsed);
     EXPECT_EQ(filter.covariance(), before) << "asking changes nothing";
     EXPECT_EQ(filter.update(hall.t, a), want) << sigmas;
-    if (want != Rejection::kUsed) EXPECT_EQ(filter.covariance(), before);
+    if (want != Rejection::kUsed) {
+      EXPECT_EQ(filter.covariance(), before);
+    }
   }
   // Slack widens it: 4 sigmas of 10 mm besides are 116 us.
   a.tof_s = exact_s + 1e-4;
