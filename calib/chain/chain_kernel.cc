@@ -29,7 +29,7 @@ HWY_INLINE void raise(double* A, double floor) {
   for (int i = 0; i < N; ++i) A[i * N + i] += floor * (1.0 + largest);
 }
 
-/// Of a state; where it is not positive definite its diagonal is raised first.
+/// Cholesky factor of a state's block; if it is not positive definite, its diagonal is raised first.
 template <int N>
 HWY_INLINE SmallCholesky<N> factor(double* A, double spare_floor) {
   using Block = Eigen::Map<const Eigen::Matrix<double, N, N, Eigen::RowMajor>>;

@@ -14,7 +14,7 @@ inline constexpr std::size_t kBorderPad = 8;
 struct ChainWindow {
   int block = 3;           ///< unknowns of a state: 3, 4, 6 or 7
   std::size_t states = 0;  ///< to be eliminated; one more follows them
-  std::size_t width = 0;   ///< of the border, a multiple of kBorderPad
+  std::size_t width = 0;   ///< width of the border, a multiple of kBorderPad
   double* D = nullptr;     ///< (states + 1) x block x block: diagonal blocks, both triangles
   double* U = nullptr;     ///< states x block x block: coupling to the next state
   double* G = nullptr;     ///< (states + 1) x block x width: coupling to the border

@@ -21,9 +21,10 @@ using chain::Stretch;
 using chain::StretchReducer;
 
 constexpr std::size_t kNodesPerStretch = 512;
-constexpr std::size_t kDoublesAtOnce = 1U << 20U;  ///< of the borders of stretches that are kept side by side
+constexpr std::size_t kDoublesAtOnce =
+    1U << 20U;  ///< numbers of the borders of segments that are kept at the same time
 
-/// Puts the ends of stretches together, one after the other.
+/// Joins the ends of segments, one after the other.
 template <int N>
 class Joiner {
  public:
@@ -85,7 +86,7 @@ class Joiner {
   }
 
  private:
-  /// What a stretch adds to the end before it.
+  /// Contribution of a segment to the end before it.
   void join_left(const ReducedStretch& from, std::size_t gradient) {
     for (std::size_t i = 0; i < n; ++i) {
       const double* row = from.H.data() + (from.left() + i) * from.width;
@@ -102,7 +103,7 @@ class Joiner {
   ReducedSystem& system_;
   std::size_t columns_, width_;
   double cost_ = 0.0;
-  AlignedDoubles H_, D_, U_, G_;  ///< of an end and the one behind it
+  AlignedDoubles H_, D_, U_, G_;  ///< blocks of an end and the next one
 };
 
 std::vector<Stretch> stretches_of(std::size_t states) {

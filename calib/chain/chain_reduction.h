@@ -11,9 +11,9 @@ namespace octant::calib {
 
 struct ReducedSystem;
 
-/// What is left of a part of a chain whose ends are those of its neighbours as well.
+/// Reduced system of a part of a chain whose ends are shared with its neighbours.
 struct OpenChain {
-  bool has_left = false, has_right = false;  ///< which ends stay
+  bool has_left = false, has_right = false;  ///< ends that are not eliminated
   double cost = 0.0;                         ///< less what the inner states' own step gains
   Eigen::VectorXd gradient;                  ///< by parameters, left end, right end
   Eigen::MatrixXd H;                         ///< both triangles
@@ -34,10 +34,10 @@ class ChainReduction {
                  const std::vector<std::size_t>& segments)
       : paths_(trajectory, layout, segments) {}
 
-  /// Adds gradient and lower triangle of H at the states as the trajectory has them.
-  /// @param place  where each column of the layout stands in the system, ascending; -1: nowhere
-  /// @return 1/2 sum of rho, less what the states' own step would still gain: r'r / 2 - r'Jx (Jx'Jx)^-1 Jx'r
-  /// / 2
+  /// Adds gradient and lower triangle of H at the present states of the trajectory.
+  /// @param place  position of each column of the layout in the system, ascending; -1: not in it
+  /// @return 1/2 sum of rho, minus the remaining gain of a step of the states:
+  ///   r'r / 2 - r'Jx (Jx'Jx)^-1 Jx'r / 2
   double reduce(const Segment& segment, const SharedState& state, const RobustLoss& loss,
                 const std::vector<int>& place, int threads, ReducedSystem& system) const;
 

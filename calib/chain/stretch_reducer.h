@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Inside of chain_reduction.cc: the rows of one stretch of a chain.
+// Private to chain_reduction.cc: the rows of one segment of a chain.
 
 #include <algorithm>
 #include <array>
@@ -17,18 +17,18 @@
 
 namespace octant::calib::chain {
 
-/// A path's free parameters in a stretch.
+/// Free parameters of a path in a segment.
 struct LocalPath {
   int count = -1;  ///< -1: not met
   std::array<PathColumns::Column, PathColumns::kCapacity> entry;
 };
 
-/// Where each column of the system stands in a stretch, kept by each thread. Between two stretches no column
-/// and no path is met: clearing all of them would cost more than a stretch of one state does.
+/// Positions of the system's columns in a segment, for each thread. Between two segments they are all unset;
+/// clearing all of them would cost more than a segment of one state.
 struct StretchMemory {
   std::vector<int> of_system;
   std::vector<LocalPath> paths;
-  std::vector<std::size_t> met;  ///< of the paths
+  std::vector<std::size_t> met;  ///< paths that have been used
   std::vector<PlanarNode> states;
   WindowMemory window;
 };
@@ -70,8 +70,8 @@ class StretchReducer {
       window.begin_state();
       add_rows_of(k);
     }
-    // A direction that nothing observes (heading of a lone antenna) is held: it couples to nothing. Within a
-    // chain odometry observes all, and a floor there would act as a measured pose at every state.
+    // An unobservable direction (heading of a single antenna) is fixed: it is not coupled to others. Within a
+    // chain, odometry observes all directions, and a floor would act as a measured pose at every state.
     window.finish(stretch.has_right, stretch.has_right ? 0.0 : kUnobservedFloor);
     window_ = nullptr;
     for (const int column : out.columns) memory_.of_system[static_cast<std::size_t>(column)] = -1;
@@ -85,7 +85,7 @@ class StretchReducer {
     return kept;
   }
 
-  /// All observations of the stretch are yet to be added.
+  /// Starts the segment: no observation has been added.
   void begin_rows() {
     rest_ = segment_;
     for_each_list([&](auto list, auto first, auto last) {
@@ -94,7 +94,7 @@ class StretchReducer {
     });
   }
 
-  /// The parameters that the stretch sees.
+  /// Parameters that occur in the segment.
   void find_columns() {
     std::vector<int>& columns = out_->columns;
     columns.clear();
@@ -295,7 +295,7 @@ class StretchReducer {
   const Stretch* stretch_ = nullptr;
   ReducedStretch* out_ = nullptr;
   StretchWindow<N>* window_ = nullptr;
-  Segment rest_;  ///< what of the segment is yet to be added
+  Segment rest_;  ///< rest of the segment
   ObservationRow rows_[6];
 };
 

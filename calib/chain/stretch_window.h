@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Inside of chain_reduction.cc: the normal equations of one stretch.
+// Private to chain_reduction.cc: the normal equations of one segment.
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,8 @@
 
 namespace octant::calib::chain {
 
-inline constexpr std::size_t kDoublesPerWindow = 16384;  ///< of the border: half of a second-level cache
+inline constexpr std::size_t kDoublesPerWindow =
+    16384;  ///< numbers of the border: half of a second-level cache
 
 /// Memory on whole vectors.
 class AlignedDoubles {
@@ -47,13 +48,13 @@ struct Stretch {
   [[nodiscard]] std::size_t begin() const { return first - (has_left ? 1 : 0); }
 };
 
-/// What is left of a stretch: its border is the parameters that it sees, the left end, and the gradient.
+/// Reduced system of a segment: its border consists of the parameters in it, the left end, and the gradient.
 struct ReducedStretch {
-  double cost = 0.0;         ///< of its rows at the states as they are
-  std::vector<int> columns;  ///< of the system, ascending
+  double cost = 0.0;         ///< cost of its rows at the present states
+  std::vector<int> columns;  ///< columns of the system, ascending
   std::size_t width = 0;
   AlignedDoubles H;  ///< width x width, lower triangle; the gradient's own: less twice what states gain
-  std::vector<double> D, G;  ///< of the right end
+  std::vector<double> D, G;  ///< blocks of the right end
   [[nodiscard]] std::size_t left() const { return columns.size(); }
   [[nodiscard]] std::size_t gradient(std::size_t block) const { return columns.size() + block; }
 };
@@ -61,17 +62,18 @@ struct ReducedStretch {
 /// The derivatives of one row that are not by a state.
 struct RowBorder {
   int count = 0;
-  std::array<int, 20> at;  ///< in the stretch, ascending
+  std::array<int, 20> at;  ///< positions in the segment, ascending
   std::array<double, 20> value;
 };
 
-/// Blocks of some states of a stretch, which are eliminated together, and of the border.
+/// Blocks of some states of a segment, which are eliminated together, and of the border.
 struct WindowMemory {
   AlignedDoubles D, U, G;
   std::vector<char> is_plain;
 };
 
-/// Normal equations of a stretch: rows are added state by state, and each state goes when its window is full.
+/// Normal equations of a segment: rows are added state by state, and a state is eliminated when its window is
+/// full.
 template <int N>
 class StretchWindow {
  public:

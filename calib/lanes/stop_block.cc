@@ -11,10 +11,11 @@
 namespace octant::calib {
 namespace {
 
-/// A group is closed where new beacons come once it has so many packs: adding it to the tile's system is then
-/// a small part.
+/// A group is closed at new beacons once it has this many packs: adding it to the tile's system is then a
+/// small part.
 constexpr std::size_t kEnoughPacks = 4;
-/// Nor does it take in many more beacons than the epochs hear: all pairs of columns are worked on.
+/// A group does not contain many more beacons than its epochs receive, because all pairs of columns are
+/// computed.
 constexpr double kMostBeacons = 1.5;
 constexpr std::size_t kNoPose = std::numeric_limits<std::size_t>::max();
 
@@ -83,8 +84,7 @@ StopBlock::StopBlock(Trajectory* trajectory, const std::vector<std::size_t>& seg
   const auto mine = std::ranges::find(vehicles, trajectory->vehicle);
   first_receiver_ = static_cast<std::size_t>(mine - vehicles.begin());
   receivers_ = static_cast<std::size_t>(std::ranges::count(vehicles, trajectory->vehicle));
-  // Epochs that hear the same lie far apart in a long log, so memory is asked for what they need some time
-  // before it is needed.
+  // Epochs with the same beacons are far apart in a long log, so their memory is prefetched.
   constexpr std::size_t kAhead = 24;
   epochs_.reserve(segments.size());
   for (std::size_t i = 0; i < segments.size(); ++i) {

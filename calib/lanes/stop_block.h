@@ -17,16 +17,16 @@ namespace octant::calib {
 
 struct ReducedSystem;
 
-/// Floor under the information of a state's direction that nothing observes, of the largest diagonal element:
-/// above rounding, below any information. The same here and in the tile's general path.
+/// Floor of the information of an unobservable direction of a state, relative to the largest diagonal
+/// element: above rounding errors, below any information. The general path of the tile uses the same value.
 inline constexpr double kUnobservedFloor = 1e-14;
 
 /// Arrivals of a trajectory, as much of each as the kernel needs. The stops of a tile lie far apart in a long
 /// log, and fetching whole observations from there costs more than copying these in passing.
 class StopArrivals {
  public:
-  /// Room for all arrivals of a trajectory, at least one; they are told one by one, by any threads, or not at
-  /// all.
+  /// Room for all arrivals of a trajectory, at least one. Any thread may call add() for each of them, or for
+  /// no arrival.
   explicit StopArrivals(const Trajectory& trajectory);
   void add(std::size_t i, const ArrivalObservation& arrival);
 
@@ -57,23 +57,23 @@ class StopArrivals {
 /// tile gives.
 class StopBlock {
  public:
-  /// Whether the kernel knows the measurement equation of a trajectory: planar, one way, no time-walk, no
-  /// bias of a pair, no drift, no motion prior.
+  /// Returns true if the kernel supports the measurement equation of a trajectory: planar, one way, no time-
+  /// walk, no bias of a pair, no drift, no motion prior.
   [[nodiscard]] static bool knows(const Trajectory& trajectory, const ParameterLayout& layout);
-  /// Whether it takes a segment: one placed node, arrivals of one sigma, at most one measured pose, nothing
-  /// else.
+  /// Returns true if it supports a segment: one placed node, arrivals of one sigma, at most one measured
+  /// pose, no other observations.
   [[nodiscard]] static bool takes(const Trajectory& trajectory, const Segment& segment);
 
-  /// @param trajectory  not owned; the nodes of the segments are written by `rewind`
-  /// @param segments    best in an order in which neighbours hear over the same paths
+  /// @param trajectory  not owned; `rewind` writes the nodes of the segments
+  /// @param segments    ideally in an order in which neighbours have the same paths
   /// @param arrivals    those of the segments; not kept
   StopBlock(Trajectory* trajectory, const std::vector<std::size_t>& segments, const StopArrivals& arrivals,
             const ParameterLayout* layout);
 
   /// Solves for the epochs from where they were committed and returns their cost.
   double solve_states(const SharedState& state, const RobustLoss& loss);
-  /// Adds the reduced system at the states of the last `solve_states` to the gradient and the lower triangle;
-  /// `place` tells where each column of the layout stands in it (-1: nowhere).
+  /// Adds the reduced system at the states of the last `solve_states` to the gradient and the lower triangle.
+  /// `place` is the position of each column of the layout in it (-1: not in it).
   void reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
               ReducedSystem& system);
   void commit() { committed_ = states_; }
@@ -92,10 +92,10 @@ class StopBlock {
     std::size_t first = 0, last = 0;
     std::vector<std::int32_t> beacons;
   };
-  /// Where a column of a group goes: nowhere if it is held, to two places if they share it.
+  /// Destination of a column of a group: no place if it is fixed, two places if they share it.
   struct ColumnTargets {
     int count = 0;
-    int column[2] = {};  ///< of the tile's system
+    int column[2] = {};  ///< columns of the tile's system
     double factor[2] = {};
   };
 
@@ -118,16 +118,16 @@ class StopBlock {
 
   Trajectory* trajectory_;
   const ParameterLayout* layout_;
-  std::size_t first_receiver_ = 0, receivers_ = 0;  ///< of the vehicle
+  std::size_t first_receiver_ = 0, receivers_ = 0;  ///< receivers of the vehicle
   double sigma_s_ = 1.0;
-  double speed_mps_ = 0.0;     ///< of the medium, where it is the same for all arrivals
+  double speed_mps_ = 0.0;     ///< speed of the medium, if it is the same for all arrivals
   bool own_speeds_ = false;    ///< else
   std::vector<Epoch> epochs_;  ///< in the order of packing, eight a pack
   std::vector<PackGroup> groups_;
   std::vector<std::size_t> pack_first_;  ///< first slot of each pack
   std::vector<StopSlot> slots_;
-  std::vector<Lanes> tof_s_, model_speed_mps_;  ///< of each slot
-  std::vector<StopPoses> poses_;                ///< of each pack, or empty
+  std::vector<Lanes> tof_s_, model_speed_mps_;  ///< values of each slot
+  std::vector<StopPoses> poses_;                ///< poses of each pack, or empty
   std::vector<StopStates> states_, committed_;
   std::vector<double> beacon_table_, receiver_table_;
 };

@@ -20,7 +20,7 @@ struct alignas(64) Lanes {
 struct StopTables {
   const double* beacon = nullptr;    ///< beacons of the site x 4
   const double* receiver = nullptr;  ///< receivers of the vehicle x 4
-  double speed_mps = 343.0;          ///< of the medium where arrivals carry none, offset included
+  double speed_mps = 343.0;          ///< speed of the medium for arrivals without one, offset included
   double speed_offset_mps = 0.0;     ///< added to an arrival's own
   double sigma_s = 1.0;
   double late_scale = 0.0, early_scale = 0.0;  ///< of RobustLoss
@@ -28,10 +28,10 @@ struct StopTables {
   double nominal_speed_mps = 343.0;            ///< turns cycle offsets into metres
 };
 
-/// Which path the arrivals of a slot took.
+/// Path of the arrivals of a slot.
 struct StopSlot {
   std::uint16_t beacon = 0;    ///< index into StopPack::beacons
-  std::uint16_t receiver = 0;  ///< of the vehicle
+  std::uint16_t receiver = 0;  ///< receiver of the vehicle
 };
 
 /// Measured poses of eight epochs: x, y [m] and heading [rad], and 1 / sigma^2 of each; weight 0: not
@@ -45,9 +45,9 @@ struct StopPoses {
 struct StopPack {
   std::size_t slots = 0;
   const StopSlot* slot = nullptr;
-  const Lanes* tof_s = nullptr;            ///< of each slot; NaN: the epoch did not hear that path
-  const Lanes* model_speed_mps = nullptr;  ///< of each slot, or null
-  const std::int32_t* beacons = nullptr;   ///< of the group, in the site's numbers
+  const Lanes* tof_s = nullptr;            ///< times of each slot; NaN: the epoch has no arrival on that path
+  const Lanes* model_speed_mps = nullptr;  ///< speeds of each slot, or null
+  const std::int32_t* beacons = nullptr;   ///< beacons of the group, as numbers of the site
   const StopPoses* poses = nullptr;        ///< or null
 };
 

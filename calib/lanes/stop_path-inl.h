@@ -80,8 +80,8 @@ struct Antenna {
 /// One path in all lanes.
 struct PathSight {
   V residual, weight, distance, inverse_speed;
-  V rho;   ///< of a robust loss; else it is the residual's square
-  V v[3];  ///< of the residual by the place of the receiver: -(unit vector) / (c sigma)
+  V rho;   ///< value of the robust loss; otherwise the square of the residual
+  V v[3];  ///< derivative of the residual by the receiver's position: -(unit vector) / (c sigma)
 };
 
 /// The measurement equation (models/README.md) and its loss.
@@ -118,7 +118,7 @@ HWY_INLINE PathSight sight_along(const StopTables& tables, const StopPack& pack,
 struct StopNormal {
   V A[4][4];  ///< lower triangle
   V g[4];
-  V bend;  ///< what the bend of the ranges over the heading adds to A[2][2] of the full Hessian
+  V bend;  ///< contribution of the curvature of the ranges over the heading to A[2][2] of the full Hessian
   V cost;
   HWY_INLINE void clear() {
     for (auto& row : A)

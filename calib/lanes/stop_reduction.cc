@@ -125,8 +125,8 @@ HWY_INLINE void finish_receiver(const Moments& m, const Antenna& a, const View& 
   add_lanes(m.rv[2], minus * m.r, nothing, nothing, own + 16);
 }
 
-/// Of the states' normal equations. A direction that nothing observes (heading of a lone antenna) is held: it
-/// couples to nothing.
+/// Cholesky factor of the states' normal equations. An unobservable direction (heading of a single antenna)
+/// is fixed: it is not coupled to others.
 template <int n>
 HWY_INLINE SmallCholesky<n, V> factor_of(const StopNormal& normal, double unobserved) {
   V largest = normal.A[0][0];
@@ -138,7 +138,7 @@ HWY_INLINE SmallCholesky<n, V> factor_of(const StopNormal& normal, double unobse
   return out;
 }
 
-/// Some rows of a block of taken += Y'Y, for the rows of Y that wait.
+/// Adds Y'Y for the waiting rows of Y to some rows of a block of `taken`.
 template <std::size_t kHeld>
 HWY_INLINE void add_schur_block(const Lanes* left, const Lanes* right, std::size_t stride,
                                 std::size_t waiting, std::size_t part, double* block) {
@@ -159,7 +159,7 @@ HWY_INLINE void add_schur_block(const Lanes* left, const Lanes* right, std::size
 }
 
 void add_schur_in_lanes(StopSums& sums) {
-  // As many rows as the registers hold: 32 of them with AVX-512, else 16.
+  // Number of rows that fit into the registers: 32 of them with AVX-512, otherwise 16.
   constexpr std::size_t kHeld = HWY_TARGET <= HWY_AVX3 ? 4 : 2, kBlock = StopSums::kBlock;
   const std::size_t states = sums.has_offset ? 4 : 3, stride = StopSums::kPacksAtOnce * states,
                     waiting = sums.waiting * states;
@@ -204,7 +204,7 @@ HWY_INLINE void eliminate(const StopNormal& normal, double unobserved, std::size
   }
 }
 
-/// What the speed of the medium has to do with the states and with itself.
+/// Coupling of the speed of the medium with the states and with itself.
 struct SpeedSums {
   V curvature, gradient, by_state[4];
 };

@@ -21,7 +21,7 @@ struct StopLayout {
   [[nodiscard]] std::size_t columns() const { return speed() + 1; }
 };
 
-/// What the packs of a group add up to. All lists stand in fours.
+/// Sum of the packs of a group. All lists have multiples of four.
 struct StopSums {
   /// Moments of a path with the derivative v of its residual by the place of the receiver, and s by the
   /// speed: sums of
@@ -30,21 +30,21 @@ struct StopSums {
   static constexpr std::size_t kReceiver =
       20;  ///< upper triangle of 4 x 4, with the speed (4), gradient (4), -, -
   static constexpr std::size_t kPair = 16;  ///< 4 x 4, rows by the beacon
-  static constexpr std::size_t kBlock = 4;  ///< rows and columns of a block of what is taken away
+  static constexpr std::size_t kBlock = 4;  ///< rows and columns of a block of the subtracted matrix
   static constexpr std::size_t kPacksAtOnce = 4;
 
   std::vector<double> beacon;    ///< beacons x kMoments
   std::vector<double> receiver;  ///< receivers x kReceiver
   std::vector<double> pair;      ///< (beacons x receivers) x kPair
-  std::vector<double>
-      schur;  ///< what the states take away from the active columns: blocks of the upper triangle
+  std::vector<double> schur;  ///< subtracted matrix of the active columns by the elimination of the states:
+                              ///< blocks of the upper triangle
   std::vector<double> schur_gradient;  ///< and from their gradient
   double speed_curvature = 0.0, speed_gradient = 0.0;
 
   bool has_offset = false;          ///< states of four instead of three
   std::vector<std::size_t> active;  ///< columns, filled up to fours with one that is zero
-  std::vector<Lanes> coupling;      ///< of one pack: columns x 4
-  /// Rows Y of what is to be taken away as Y'Y: some packs together, so that the blocks are loaded and stored
+  std::vector<Lanes> coupling;      ///< coupling of one pack: columns x 4
+  /// Rows Y of the subtracted matrix Y'Y: several packs together, so that the blocks are loaded and stored
   /// less often.
   std::vector<Lanes> rows;  ///< active columns x packs x states
   std::size_t waiting = 0;  ///< packs in `rows`

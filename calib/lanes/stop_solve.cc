@@ -18,8 +18,8 @@ namespace HWY_NAMESPACE {
 /// Steps and limits of `solve_states` in models/trajectory/solve_states.cc.
 constexpr int kMaxIterations = 30;
 constexpr double kAtRest = 1e-13;
-/// With plain squares a step that gains less than this share of the cost is taken without looking again: what
-/// would be left to gain after it is smaller by the square of residual over distance.
+/// With plain squares, a step that gains less than this fraction of the cost is accepted without another
+/// evaluation: the remaining gain is smaller by the square of residual over distance.
 constexpr double kLastStep = 1e-6;
 
 template <bool kOffset, bool kRobust>
@@ -91,8 +91,7 @@ HWY_INLINE Mask solve(const StopNormal& normal, V lambda, Mask stiff, V* step) {
   return sound;
 }
 
-/// The damping after a step: a tenth after a better one, down to next to nothing; ten times as much after
-/// another.
+/// Damping after a step: a tenth after an improvement, down to almost zero; ten times as much otherwise.
 HWY_INLINE V next_damping(V lambda, Mask better) {
   const V calmer = select(lambda < 1e-7, 1e-8, lambda * 0.1);
   return select(better, calmer, max(lambda * 10.0, 1e-5));

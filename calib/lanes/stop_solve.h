@@ -8,7 +8,7 @@ namespace octant::calib {
 
 struct StopOutcome {
   Lanes cost;       ///< 1/2 sum of rho
-  Lanes converged;  ///< 1: at rest; 0: not, or singular: to be settled with care
+  Lanes converged;  ///< 1: converged; 0: not converged or singular, to be solved by the careful method
 };
 
 /// Gauss-Newton steps (damped where the cost would rise) on the states of eight epochs, as `solve_states`

@@ -13,9 +13,9 @@
 
 namespace octant::calib {
 
-/// A log as its calibration (calibrator.h) sees it. It is held in memory (held_log.h), or too long for that
-/// and read again for each look at it (streamed.cc). Errors of all: those of reading,
-/// Errc::kInterrupted where the course is to stop.
+/// A log as the calibration (calibrator.h) uses it. It is in memory (held_log.h), or too long for that and
+/// read in each pass (streamed.cc). Errors of all functions: those of the reader, Errc::kInterrupted if the
+/// calibration is cancelled.
 class CalibrationLog {
  public:
   virtual ~CalibrationLog() = default;
@@ -27,23 +27,22 @@ class CalibrationLog {
     const Problem* problem = nullptr;  ///< null: there is no other one
     bool is_complete = false;
   };
-  /// What a start may be made from. Of a long log that is first a part, evenly spread stops and stretches: it
-  /// tells all shared parameters to a fraction of the noise. To be asked for another one where that gave
-  /// none.
+  /// Sample for the start. For a long log the first sample is a part, evenly spaced stops and segments, which
+  /// determines all shared parameters to a fraction of the noise. Another one may be requested if it fails.
   [[nodiscard]] virtual Result<Sample> next_sample() = 0;
 
   /// Has the states of all from a start from the last sample, its own or new ones.
   /// @param sigma  of the start's residuals that agree (reject.h)  @return the same of all
   [[nodiscard]] virtual Result<double> place(Approach& start, double sigma) = 0;
 
-  /// Plain squares on the arrivals within so many sigmas, which are rejected and readmitted until neither
-  /// they nor parameters change.
-  /// @return the squares with the noise as it is
+  /// Adjusts the arrivals within the given number of sigmas with plain squares; arrivals are rejected and
+  /// readmitted until neither they nor the parameters change.
+  /// @return the squares with the present noise
   [[nodiscard]] virtual Result<DataSquares> adjust_inliers(Estimate& estimate) = 0;
-  /// Noise is so many times what it was.
+  /// Rescales the noise by a factor.
   virtual void scale_noise(Estimate& estimate, const NoiseFactors& factors) = 0;
 
-  /// The end: nothing is asked of it any more.
+  /// The last call.
   [[nodiscard]] virtual Result<Findings> findings(const Estimate& estimate) = 0;
 
  protected:

@@ -15,8 +15,8 @@ namespace octant::calib {
 /// matrices.
 class HeldLog : public CalibrationLog {
  public:
-  /// All outlive it.
-  /// @param own_trajectories  the problem's, where they may be taken; else null
+  /// All arguments must outlive it.
+  /// @param own_trajectories  those of the problem, if they may be moved; otherwise null
   HeldLog(const Problem& problem, const SolveOptions& options, ProgressMonitor& monitor,
           std::vector<Trajectory>* own_trajectories = nullptr)
       : problem_(problem), options_(options), monitor_(monitor), own_trajectories_(own_trajectories) {}

@@ -31,8 +31,8 @@ double sigma_factor(double complete, double subsampled) {
   return complete > subsampled && subsampled > 0 ? std::sqrt(subsampled / complete) : 1.0;
 }
 
-/// Odometry of a drive's stretches stands for that of stretches left out; what was summed up between them is
-/// told by its length.
+/// Odometry of the sampled segments represents that of the omitted ones; the accuracy of summed odometry
+/// between them follows from its length.
 void weigh_odometry(Trajectory& t, double factor) {
   const auto duration_s = [&t](const OdometryObservation& o) {
     return t.nodes[o.node + 1].time_s - t.nodes[o.node].time_s;
@@ -47,8 +47,8 @@ void weigh_odometry(Trajectory& t, double factor) {
   }
 }
 
-/// Each observation as accurate as all those together that it stands for. Odometry between stops is complete
-/// as it is.
+/// Each observation is as accurate as all those together that it represents. Odometry between stops is
+/// complete and unchanged.
 void weight_as_complete(std::vector<Trajectory>& trajectories, const LogCounts& complete,
                         const LogCounts& subsampled) {
   const double drive = sigma_factor(complete.all_arrivals(), subsampled.all_arrivals());

@@ -19,9 +19,9 @@ struct LogCounts {
   [[nodiscard]] double all_arrivals() const;
 };
 
-/// A subsampled log (problem/subsample.h), held, whose verdict is that of the whole: each observation there
-/// is as accurate as all those together that it stands for. All else is judged as it is: residuals of so few
-/// arrivals are not as good as those of all.
+/// A subsampled log (problem/subsample.h) in memory whose verdict is that of the whole log: each observation
+/// is as accurate as all those together that it represents. Other quantities are judged unchanged, because
+/// residuals of few arrivals are not as informative as those of all.
 class SubsampledLog : public HeldLog {
  public:
   /// All outlive it.

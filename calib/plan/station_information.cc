@@ -28,9 +28,10 @@ constexpr double kVagueExtents = 4.0;
 /// Audible with so much in hand over the threshold: a crossing at the very threshold comes infinitely late.
 constexpr double kAudible = 1.05;
 constexpr double kSure = 2.0;        ///< sigmas of a beacon's place by which it has to lie within hearing
-constexpr double kMostMargin = 0.1;  ///< of range and angle
-constexpr double kUnobservableByStop = 1e-12;  ///< of a covariance scaled to a unit diagonal
-constexpr double kPoseRank = 1e-9;  ///< of the rows' largest, below which a direction of the pose is unseen
+constexpr double kMostMargin = 0.1;  ///< largest margin of range and angle
+constexpr double kUnobservableByStop = 1e-12;  ///< threshold for a covariance scaled to a unit diagonal
+constexpr double kPoseRank =
+    1e-9;  ///< relative to the largest of the rows; directions of the pose below it are unobservable
 
 tl::unexpected<Error> bad(const std::string& file, std::string found, std::string expected,
                           std::string advice = {}) {
@@ -62,7 +63,7 @@ double extent_of_placed_m(const Site& site, const std::vector<bool>& placed) {
   return std::max(1.0, box.diagonal().norm());
 }
 
-/// Information of priors alone; what has none gets the vague one.
+/// Information of the priors only; parameters without a prior get a weak one.
 Eigen::MatrixXd with_vague_priors(const Problem& problem, const ParameterLayout& layout,
                                   const SharedState& state, double vague_m) {
   Eigen::MatrixXd N = prior_information(problem, layout, layout.vector_of(state));
@@ -329,7 +330,7 @@ StopRows stop_rows(const Knowledge& k, const Eigen::Vector2d& position_m, double
       Js(r, std::ranges::lower_bound(columns, column) - columns.begin()) +=
           entries[static_cast<std::size_t>(r)].value[at];
     }
-  // Rows of Q' Js below those that the pose takes up: what is left when it is eliminated.
+  // Rows of Q' Js below those of the pose: the information that remains after its elimination.
   out.A = qr.transposed_times(std::move(Js)).bottomRows(rows - t.block_size());
   out.columns = std::move(columns);
   return out;

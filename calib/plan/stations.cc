@@ -17,9 +17,9 @@ namespace octant::calib {
 namespace {
 
 constexpr double kGains = 1.0 + 1e-4;  ///< an exchange has to gain more than rounding
-constexpr double kFinestShare = 0.1;   ///< of the grid, at which the search around a stop ends
+constexpr double kFinestShare = 0.1;   ///< fraction of the grid at which the search around a stop ends
 constexpr double kUnobservableByStations =
-    1e-10;                           ///< of the largest: a combination of beacons that the datum holds
+    1e-10;  ///< relative to the largest: a combination of beacons that the datum fixes
 constexpr std::size_t kAtOnce = 16;  ///< candidates that a thread takes
 
 struct Stop {
@@ -59,7 +59,8 @@ BeaconKnowledge knowledge_from(const Knowledge& k, const Eigen::MatrixXd& C) {
   return known;
 }
 
-/// What one more stop gains beside what is known: with its rows A and the covariance C,
+/// Gain of one more stop, with its rows A and the present covariance C:
+///
 ///   C_new = C - C A' (I + A C A')^-1 A C                       (Woodbury)
 class Gain {
  public:
@@ -75,7 +76,7 @@ class Gain {
     volume_ = true;
   }
 
-  /// Variance taken away [m2], or the logarithm by which the determinant shrinks; zero for no rows.
+  /// Reduction of the variance [m2], or of the logarithm of the determinant; zero without rows.
   [[nodiscard]] double of(const StopRows& rows) const {
     if (rows.A.rows() == 0) return 0.0;
     const Eigen::MatrixXd CA = C_(Eigen::all, rows.columns) * rows.A.transpose();
@@ -148,7 +149,7 @@ class Planner {
     return !plan_.interrupted;
   }
 
-  /// Best of all candidates beside the stops but one.
+  /// Best of all candidates, with all stops but one.
   [[nodiscard]] std::pair<Stop, double> best_candidate(const Gain& gain, std::size_t but) const {
     std::vector<double> gains(candidates_.size(), 0.0);
     for_each_in_chunks(candidates_.size(), kAtOnce, options_.threads, [&](std::size_t i) {
@@ -167,7 +168,7 @@ class Planner {
     }
   }
 
-  /// Pattern search: a step each way in x, y and heading, halved where none gains.
+  /// Pattern search: a step in both directions of x, y and heading, halved if no step improves.
   void search_around(const Gain& gain, std::size_t but, Stop& stop, double& best) const {
     if (!options_.may_stop) return;
     double step_m = 0.5 * options_.spacing_m, turn = M_PI / std::max(1, options_.headings);
@@ -197,7 +198,8 @@ class Planner {
     }
   }
 
-  /// Takes each stop out in turn and puts it where it serves best; false: nothing gained.
+  /// Removes one stop after another and places it where it improves most; returns false if there was no
+  /// improvement.
   bool exchange_all(int sweep) {
     bool changed = false;
     const auto count = static_cast<double>(stops_.size());

@@ -12,8 +12,7 @@
 
 namespace octant::calib {
 
-/// What "most" means in "so that the calibration improves most"; of the beacons' coordinates, all other
-/// parameters marginalised.
+/// Objective of the improvement, for the beacons' coordinates with all other parameters marginalised.
 enum class StationCriterion {
   kA,  ///< the sum of their variances
   kD   ///< the determinant of their covariance: the volume of the error ellipsoid
@@ -25,20 +24,19 @@ struct StationOptions {
   StationCriterion criterion = StationCriterion::kA;
   StopModel stop;
   std::vector<Eigen::Vector2d> places_m;  ///< where the vehicle may stop: a grid over the floor
-  double spacing_m = 1.0;  ///< of that grid: stops are shifted by fractions of it, and never come closer to
-                           ///< each other than half of it
-  /// Whether the vehicle may stop at a place that is none of places_m; empty: it may not, and stops stay on
-  /// the grid.
+  double spacing_m = 1.0;  ///< spacing of the grid; stops move by fractions of it and stay half of it apart
+  /// Returns true if the vehicle may stop at a position that is not in places_m; empty: stops stay on the
+  /// grid.
   std::function<bool(const Eigen::Vector2d&)> may_stop;
   int sweeps = 6;  ///< exchanges of each stop against all candidates, at most
   int threads = 1;
   std::function<bool(double fraction)> on_progress;  ///< false stops with what there is
 };
 
-/// How well beacons are known: sqrt of the trace of a beacon's covariance, as the calibration states it.
+/// Accuracy of the beacons: square root of the trace of a beacon's covariance, as the calibration states it.
 struct BeaconKnowledge {
   std::vector<double> sigma_m;         ///< by beacon; 0: control point; negative: it has no place
-  double mean_m = 0.0, worst_m = 0.0;  ///< of the beacons that are asked for
+  double mean_m = 0.0, worst_m = 0.0;  ///< accuracy of the beacons to be estimated
   std::size_t worst_beacon = 0;
 };
 [[nodiscard]] BeaconKnowledge beacon_knowledge(const Knowledge& knowledge,
@@ -58,7 +56,7 @@ struct Station {
 struct StationPlan {
   BeaconKnowledge before, after;
   std::vector<Station> stations;  ///< in the order of their gain
-  BeaconKnowledge greedy;         ///< of the greedy choice, before exchanges
+  BeaconKnowledge greedy;         ///< accuracy of the greedy choice, before exchanges
   std::size_t candidates = 0, exchanges = 0;
   bool interrupted = false;
 };
@@ -72,12 +70,12 @@ struct StationPlan {
 /// anything.
 [[nodiscard]] Result<StationPlan> plan_stations(const Knowledge& knowledge, const StationOptions& options);
 
-/// What given stops would make of it, in the order given: for comparison with other plans.
+/// Prediction for given stops, in the given order: for comparison with other plans.
 [[nodiscard]] StationPlan assess_stations(const Knowledge& knowledge,
                                           const std::vector<Eigen::Vector3d>& stops,
                                           const StationOptions& options);
 
-/// Mean sigma that so many stops at random places and headings leave: the median of 25 plans.
+/// Mean sigma after this number of stops at random positions and headings: the median of 25 plans.
 [[nodiscard]] double random_stations_mean_m(const Knowledge& knowledge, const StationOptions& options,
                                             std::uint64_t seed);
 

@@ -10,8 +10,8 @@
 
 namespace octant::calib {
 
-/// Where states are between the readings of a log: in the plane x, y, heading, in space the place and the
-/// rotation, then what else a state has (cycle offset, velocity). NaN instead of the third: no place.
+/// States between the passes over a log: in the plane x, y, heading, in space position and rotation, then
+/// further numbers of a state (cycle offset, velocity). NaN as the third number: not placed.
 class KeptStates {
  public:
   void clear() { numbers_.clear(); }
@@ -55,11 +55,11 @@ class KeptStates {
   std::vector<double> numbers_;
 };
 
-/// What remains of a trajectory between the readings of a log.
+/// Data of a trajectory that are kept between the passes over a log.
 class KeptTrajectory {
  public:
-  /// Keeps the states [first_node, last_node), so many arrivals, and the bearings from the first state on
-  /// that begin before the last one, or all to the trajectory's end.
+  /// Keeps the states [first_node, last_node), the given number of arrivals, and the bearings from the first
+  /// state on that begin before the last one, or all to the end of the trajectory.
   void keep(const Trajectory& t, std::size_t first_node, std::size_t last_node, std::size_t first_arrival,
             std::size_t arrivals) {
     states_.clear();
@@ -74,7 +74,7 @@ class KeptTrajectory {
   }
   void keep(const Trajectory& t) { keep(t, 0, t.nodes.size(), 0, t.arrivals.size()); }
 
-  /// Whether a trajectory has as many states and observations.
+  /// Returns true if a trajectory has the same number of states and observations.
   [[nodiscard]] bool fits(const Trajectory& t) const {
     return states_.count(t) == t.nodes.size() && rejections_.size() == t.arrivals.size() + t.bearings.size();
   }
@@ -90,7 +90,7 @@ class KeptTrajectory {
 
  private:
   KeptStates states_;
-  std::vector<Rejection> rejections_;  ///< of arrivals, then of bearings
+  std::vector<Rejection> rejections_;  ///< rejections of arrivals, then of bearings
 };
 
 }  // namespace octant::calib

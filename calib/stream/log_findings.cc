@@ -16,12 +16,12 @@
 namespace octant::calib {
 namespace {
 
-/// What a part of a log says of one of its trajectories, but for the states that are looked at one by one.
+/// Findings of a part of a log about one of its trajectories, without the sampled states.
 struct PartFindings {
   std::size_t run = 0, vehicle = 0;
   ObservationCounts counts;
   std::size_t stateless = 0;  ///< arrivals
-  int stateless_line = 0;     ///< of the first of them
+  int stateless_line = 0;     ///< line of the first of them
   std::vector<std::int64_t> flipped;
   std::vector<LeftOutBearing> bearings;    ///< all of them, those in use too
   std::vector<RejectionCounts> of_beacon;  ///< its arrivals
@@ -129,7 +129,7 @@ void FindingsGatherer::leave_out_bearings_of_no_state() {
     const auto count = std::ranges::count(carried_[run], false);
     for (std::size_t i = 0; i < carried_[run].size(); ++i)
       if (!carried_[run][i]) findings_.left_out.bearings.push_back({run, i, Rejection::kNoPose});
-    // Held in memory such a stop is a state; a log that is read in chunks is known by its arrivals alone.
+    // In memory, such a stop is a state; a streamed log knows only its arrivals.
     if (count > 0 && frame_.runs[run].has_epochs)
       findings_.warnings.push_back(
           fmt::format("{}: {} bearing{} left out, of stops at which nothing was heard, as the log is read in "

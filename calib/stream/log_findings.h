@@ -14,14 +14,14 @@
 namespace octant::calib {
 
 struct GatheredFindings : Findings {
-  std::vector<std::vector<Arrival>> arrivals;  ///< of each run, those of the states at hand
+  std::vector<std::vector<Arrival>> arrivals;  ///< arrivals of each run, for the states in memory
 };
 
-/// What a reading of a part of a log has to say of one of its trajectories.
+/// Findings of a pass over a part of a log about one of its trajectories.
 struct TrajectoryFindings {
   const Trajectory& trajectory;  ///< solved, outliers rejected
   const MeasurementLog& log;     ///< with the part's arrivals
-  Trajectory sampled;            ///< the states that are looked at one by one
+  Trajectory sampled;            ///< sampled states
   std::vector<std::int64_t> flipped = {};
   std::size_t counted_before = 0;  ///< unknowns of states that another part counts
 };
@@ -36,7 +36,7 @@ class FindingsGatherer {
   FindingsGatherer(const Problem& frame, const Estimate& estimate, std::size_t states);
 
   [[nodiscard]] const SharedState& state() const { return state_; }
-  /// Every so many-th stop, or stretch of a drive, is looked at.
+  /// Sampling interval of stops, or of segments of a drive.
   [[nodiscard]] std::size_t stride() const { return totals_.stride; }
 
   /// Appends a part's numbers; several threads may write side by side.
@@ -48,11 +48,11 @@ class FindingsGatherer {
   [[nodiscard]] GatheredFindings findings(const Estimate& estimate) &&;
 
  private:
-  /// Of a run and a vehicle.
+  /// Findings of a run and a vehicle.
   struct GatheredTrajectory {
     std::vector<std::int64_t> flipped;
     std::size_t stateless = 0;  ///< arrivals
-    int stateless_line = 0;     ///< of the first of them
+    int stateless_line = 0;     ///< line of the first of them
     Trajectory some;
   };
 
@@ -64,7 +64,7 @@ class FindingsGatherer {
   LogTotals totals_;
   ObservationCounts counts_;
   std::map<std::pair<std::size_t, std::size_t>, GatheredTrajectory> of_trajectory_;
-  std::vector<std::vector<bool>> carried_;  ///< of each run, its bearings that some state carries
+  std::vector<std::vector<bool>> carried_;  ///< for each run, the bearings that belong to a state
   GatheredFindings findings_;
 };
 

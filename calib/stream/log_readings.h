@@ -21,29 +21,29 @@
 
 namespace octant::calib {
 
-/// A log that is read again for each look at it. Errors of all: those of reading, Errc::kInterrupted where
-/// the course is to stop.
+/// A log that is read in each pass. Errors of all functions: those of the reader, Errc::kInterrupted if the
+/// calibration is cancelled.
 class LogReadings {
  public:
   virtual ~LogReadings() = default;
 
   struct Placed {
     std::vector<double> residuals;  ///< magnitudes of evenly spread ones
-    std::vector<double> ranges_m;   ///< the same, by the site's priors
+    std::vector<double> ranges_m;   ///< ranges according to the priors of the site
     std::size_t states = 0;
     std::optional<PassSum> sum;  ///< where marks were asked for, and came along
   };
-  /// Places all states anew.
-  /// @param mark  may reject, settle with plain squares and sum up as well
+  /// Places all states again.
+  /// @param mark  may reject, solve with plain squares and sum up as well
   [[nodiscard]] virtual Result<Placed> place(const Estimate& estimate, double suspect_sigmas,
                                              bool reject) = 0;
 
   /// Solves for all states at the estimate.
   [[nodiscard]] virtual Result<PassSum> pass(const Estimate& estimate, RejectionPolicy policy) = 0;
-  /// The last pass was a step forward: the next one may be told from there.
+  /// The last pass improved the cost: the next one may be predicted from it.
   virtual void accept() {}
 
-  /// Tells the gatherer all that is to be said of the arrivals at the end.
+  /// Passes the final findings about the arrivals to the gatherer.
   [[nodiscard]] virtual Result<void> gather(const Estimate& estimate, FindingsGatherer& gatherer) = 0;
 
  protected:
@@ -52,7 +52,7 @@ class LogReadings {
   LogReadings& operator=(const LogReadings&) = default;
 };
 
-/// Readings of several kinds, whose sums add up.
+/// Passes over several kinds of states, whose sums are added.
 class JoinedReadings : public LogReadings {
  public:
   void add(std::unique_ptr<LogReadings> readings) { all_.push_back(std::move(readings)); }
@@ -79,17 +79,18 @@ inline void begin_run(const MeasurementLog& run, MeasurementLog& log) {
           .advice = "calibrate with a copy, or when the recording is over"};
 }
 
-/// What readings need to know; all of it outlives them.
+/// Input of the passes; it must outlive them.
 struct ReadingTask {
   const Problem& frame;  ///< site and runs without arrivals
   const ArrivalSource& source;
   const SolveOptions& options;
   ProgressMonitor& monitor;
   int workers = 1;
-  std::size_t arrivals = 0;  ///< of the whole log, stops and drives, that a state carries
+  std::size_t arrivals = 0;  ///< arrivals of the whole log that belong to a state
 };
 
-/// Evenly spread arrivals of the parts of a log, as many as agreeing_sigma() and typical_range_m() look at.
+/// Evenly spaced arrivals of the parts of a log, in the number that agreeing_sigma() and typical_range_m()
+/// use.
 class SpreadArrivals {
  public:
   SpreadArrivals(const ReadingTask& task, SharedState at_estimate, std::size_t parts)
@@ -108,7 +109,7 @@ class SpreadArrivals {
     if (number % every_residual_ == 0 && a.rejection == Rejection::kUsed && t.nodes[a.node].placed)
       residuals_[part].push_back(std::abs(arrival_residual(t, a, state_)));
   }
-  /// Those of all ranks, in the order of the parts.
+  /// Arrivals of all ranks, in the order of the parts.
   [[nodiscard]] LogReadings::Placed placed(const Ranks* ranks) && {
     return {in_order(ranks, std::move(residuals_)), in_order(ranks, std::move(ranges_m_)), 0, {}};
   }

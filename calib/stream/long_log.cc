@@ -23,7 +23,7 @@ bool is_placed_by_ranges(const Trajectory& t) {
   return t.motion == Motion::kPlanar && !t.has_cycle_offset && t.poses.empty();
 }
 bool has_stops(const Trajectory& t) { return !t.moving && t.odometry.empty(); }
-/// States of which each stands alone at a measured pose, in the plane or in space.
+/// Separate states at measured poses, in the plane or in space.
 bool has_posed_states(const Trajectory& t) {
   return !t.poses.empty() && t.odometry.empty() && t.motion_steps.empty() && !t.has_cycle_offset;
 }
@@ -103,7 +103,7 @@ void place_all_drives(const Problem& problem, const SharedState& state, const st
   readmit_all(trajectories, usable);
   for (Trajectory& t : trajectories) {
     if (t.poses.empty()) continue;
-    // A state that a measured pose placed is off by the error of that, not by the noise of its arrivals.
+    // The error of a state that a measured pose placed is that of the pose, not the noise of its arrivals.
     for_each_in_chunks(t.segments.size(), kSegmentsAtOnce, threads, [&](std::size_t s) {
       solve_states(t, t.segments[s], state, {kCauchyScale, kCauchyScale});
     });

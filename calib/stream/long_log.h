@@ -11,13 +11,13 @@
 
 namespace octant::calib {
 
-/// Whether a log is so long that a part of it tells all that a start needs: many thousands of planar stops,
-/// or of arrivals on chains of odometry in the plane, or both; no measured poses.
+/// Returns true if a part of a log is sufficient for a start: many thousands of planar stops, or of arrivals
+/// on chains of odometry in the plane, or both; no measured poses.
 [[nodiscard]] bool is_long(const Problem& problem);
-/// Whether there are stops among its trajectories alone.
+/// Returns true if all its trajectories are stops.
 [[nodiscard]] bool has_stops_alone(const Problem& problem);
 
-/// How much of a long log that part is.
+/// Size of that part of a long log.
 inline constexpr SubsampleOptions kLongLogSubsample = {.instants = 600, .per_beacon = 200};
 
 /// A problem with evenly spread epochs of a long log, enough of each beacon (see thin).

@@ -16,9 +16,9 @@ namespace octant::calib {
 namespace {
 
 constexpr int kMostPasses = 40;
-/// Costs of two readings are the same to this share.
+/// Relative difference below which the costs of two passes are equal.
 constexpr double kSameCost = 1e-11;
-/// A step that would change the cost by a smaller share is none.
+/// Smallest relative change of the cost by a step.
 constexpr double kNoStep = 1e-12;
 constexpr double kFirstDamping = 1e-3;
 

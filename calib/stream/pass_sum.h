@@ -12,7 +12,7 @@
 
 namespace octant::calib {
 
-/// What is counted in one reading of a log, by piece, by rank and in all.
+/// Counts of one pass over a log, for a piece, a rank, or all.
 struct PassCounts {
   double cost_before = 0.0;  ///< with the rejections as they were before the pass
   std::size_t changed = 0;   ///< marks
@@ -34,9 +34,9 @@ void exchange(Buffer& buffer, BufferRecord<PassCounts> auto&& counts) {
                   counts.poses.redundancy);
 }
 
-/// What one reading of a log leaves of it at an estimate.
+/// Result of one pass over a log at an estimate.
 struct PassSum {
-  SystemParts system;  ///< of all arrivals in use, plain squares; its cost is theirs
+  SystemParts system;  ///< system and cost of all used arrivals, plain squares
   PassCounts counts;
 
   void add(const PassSum& other) {
@@ -45,9 +45,9 @@ struct PassSum {
   }
 };
 
-/// Which arrivals a pass rejects anew.
+/// Rule by which a pass rejects arrivals.
 enum class RejectionPolicy {
-  kKept,      ///< none
+  kKept,      ///< rejections are unchanged
   kFirst,     ///< rejected at the states as they are, which are solved then
   kConverged  ///< rejected at solved states, which are solved again where rejections changed
 };

@@ -15,9 +15,9 @@
 
 namespace octant::calib {
 
-/// Calls work(k, worker) -> Result<void> for k in [first, last), by so many workers side by side. The
-/// caller's thread is one of those that work. Errors: the first of the work's, Errc::kInterrupted where the
-/// course is to stop; what has not begun by then is left out.
+/// Calls work(k, worker) -> Result<void> for k in [first, last) with the given number of parallel workers,
+/// including the caller's thread. Errors: the first error of the work; Errc::kInterrupted if the calibration
+/// is cancelled. Work that has not begun by then is left out.
 template <class Work>
 [[nodiscard]] Result<void> for_each_side_by_side(std::size_t first, std::size_t last, std::size_t workers,
                                                  const ProgressMonitor& monitor, Work&& work) {

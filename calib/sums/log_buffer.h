@@ -20,8 +20,8 @@ concept BufferNumbers = requires(Value& value) {
   value.data();
 };
 
-/// What a record holds is listed once, in a function `exchange` that takes a writer or a reader and hands it
-/// all fields: buffer.exchange(record.a, record.b).
+/// The fields of a record are listed once, in a function `exchange` that passes them to a writer or a reader:
+/// buffer.exchange(record.a, record.b).
 template <class Buffer, class Record>
 void exchange_record(Buffer& buffer, Record& record) {
   exchange(buffer, record);
@@ -67,7 +67,8 @@ class BufferReader {
   explicit BufferReader(const std::vector<double>& numbers) : numbers_(numbers) {}
   [[nodiscard]] bool ended() const { return at_ >= numbers_.size(); }
 
-  /// What a writer exchanged. @param values  matrices of the size that they had there
+  /// Reads the fields that a writer exchanged.
+  /// @param values  matrices of the same size as there
   template <class... Values>
   void exchange(Values&... values) {
     (get(values), ...);

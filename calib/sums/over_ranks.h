@@ -14,7 +14,7 @@
 
 namespace octant::calib {
 
-/// The parts of a log that a rank reads, [first, last): as many each, one behind the other.
+/// Parts of a log that a rank reads, [first, last): equal numbers, consecutive.
 inline std::pair<std::size_t, std::size_t> parts_of(const Ranks* ranks, std::size_t parts) {
   if (ranks == nullptr) return {0, parts};
   const auto count = static_cast<std::size_t>(ranks->count()),

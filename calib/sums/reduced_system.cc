@@ -11,7 +11,8 @@
 namespace octant::calib {
 namespace {
 
-/// More parts than these are joined even where that takes more numbers: a part is held against all of them.
+/// Above this number, parts are joined even if that needs more memory, because a new part is compared with
+/// all of them.
 constexpr std::size_t kMostParts = 256;
 
 std::vector<int> joined_columns(const std::vector<int>& a, const std::vector<int>& b) {

@@ -18,19 +18,19 @@ struct ReducedSystem {
   Eigen::MatrixXd H;
 };
 
-/// The same with its columns of the layout, ascending.
+/// A part with its columns of the layout, ascending.
 struct SystemPart {
   std::vector<int> columns;
   ReducedSystem system;
 };
 
-/// @param columns  of a part that nothing was added to yet
+/// @param columns  of a new, empty part
 [[nodiscard]] SystemPart empty_part(std::vector<int> columns);
-/// All of a layout of so many parameters.
+/// All columns of a layout with this number of parameters.
 [[nodiscard]] std::vector<int> all_columns(int parameters);
 
-/// What a log leaves of itself: a sum of systems, each of which is dense in the columns that it touches.
-/// Where the matrices of a site are dense that is one of all columns.
+/// Sum of a log: several systems, each of which is dense in its own columns. At sites with dense matrices it
+/// is one system of all columns.
 class SystemParts {
  public:
   SystemParts() = default;
@@ -39,14 +39,14 @@ class SystemParts {
   /// Into the part that grows least by it; a part of its own where that takes fewer numbers, up to a limit.
   void add(const SystemPart& part);
   void add(const SystemParts& other);
-  /// Noise is another: costs, gradients and matrices are so many times what they were.
+  /// Rescales costs, gradients and matrices for another noise.
   void scale(double factor);
 
   [[nodiscard]] double cost() const;
   [[nodiscard]] const std::vector<SystemPart>& parts() const { return parts_; }
-  /// The one part of all of so many parameters, made where there is none: not to be called where others are.
+  /// The only part with all parameters, created if necessary. It must not be called if there are other parts.
   ReducedSystem& whole_part(int parameters);
-  /// All parts in one system of so many parameters.
+  /// All parts in one system with this number of parameters.
   [[nodiscard]] ReducedSystem whole(int parameters) const;
 
  private:

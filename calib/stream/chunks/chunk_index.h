@@ -17,23 +17,23 @@ namespace octant::calib {
 struct Chunk {
   std::size_t run = 0;
   std::size_t first_block = 0, last_block = 0;
-  std::vector<std::size_t> states, arrivals;                ///< of each vehicle
+  std::vector<std::size_t> states, arrivals;                ///< numbers of each vehicle
   std::vector<std::size_t> states_before, arrivals_before;  ///< in earlier chunks of the run
   [[nodiscard]] std::size_t all_arrivals() const;
 };
 
-/// Of each run, of each vehicle.
+/// For each run and each vehicle.
 using StateKinds = std::vector<std::vector<StateKind>>;
 [[nodiscard]] StateKinds state_kinds(const ArrivalSource& source, const Site& site);
 
-/// Where the groups of a log lie among the blocks of its source, so that any part of it can be read as whole
-/// groups. What one reading of everything tells; a few numbers a block. Groups are epochs, the arrivals of a
-/// vehicle between pauses that no tie between states outlasts (longest_tie_s), or all of a run where odometry
-/// ties its stops. Drives are none of it (drives/drive_index.h).
+/// Positions of the groups of a log among the blocks of its source, so that any part can be read as whole
+/// groups. One pass over the log determines them; they are a few numbers for each block. Groups are epochs,
+/// the arrivals of a vehicle between pauses that no connection of states outlasts (longest_tie_s), or all of
+/// a run if odometry connects its stops. Drives are not included (drives/drive_index.h).
 class ChunkIndex {
  public:
-  /// Follows the rows of a source: add() of each block, then end(). Runs may be left out.
-  /// @param chunk_arrivals  a chunk ends with the block in which it has as many
+  /// Processes the rows of a source: add() of each block, then end(). Runs may be left out.
+  /// @param chunk_arrivals  a chunk ends with the block in which it reaches this number
   ChunkIndex(StateKinds kinds, std::size_t beacons, std::size_t chunk_arrivals);
   void add(std::size_t run, const std::vector<Arrival>& block);
   void end(std::size_t runs);
@@ -52,8 +52,8 @@ class ChunkIndex {
     return runs_[run].first_state[block];
   }
 
-  /// Puts the arrivals of the groups that begin in blocks [first, last) in place of what `arrivals` held. Any
-  /// thread.
+  /// Replaces the content of `arrivals` by the arrivals of the groups that begin in blocks [first, last). Any
+  /// thread may call it.
   [[nodiscard]] Result<void> read(const ArrivalSource& source, std::size_t run, std::size_t first,
                                   std::size_t last, std::vector<Arrival>& arrivals) const;
 
@@ -63,8 +63,8 @@ class ChunkIndex {
     std::size_t first_block = 0, last_block = 0;
     VehicleId vehicle;
     StateKind kind = StateKind::kStops;
-    std::int64_t epoch = kNoEpoch;       ///< of a stop
-    double from_s = 0.0, until_s = 0.0;  ///< of all else
+    std::int64_t epoch = kNoEpoch;       ///< epoch of a stop
+    double from_s = 0.0, until_s = 0.0;  ///< time span of other groups
     [[nodiscard]] bool has(const Arrival& a) const {
       if (a.vehicle != vehicle) return false;
       return kind == StateKind::kStops ? a.epoch == epoch : a.time_s >= from_s && a.time_s <= until_s;
@@ -73,7 +73,7 @@ class ChunkIndex {
   struct RunStates {
     std::size_t states = 0;
     std::vector<std::size_t> heard;
-    std::vector<std::size_t> first_state;  ///< of each block, and one more
+    std::vector<std::size_t> first_state;  ///< first state of each block, and the total
     std::vector<SplitGroup> splits;
     std::vector<std::uint32_t> open,
         first_open;  ///< splits across the beginning of each block: open[first_open[b]...first_open[b + 1])
@@ -81,9 +81,9 @@ class ChunkIndex {
   /// The latest group of a vehicle.
   struct OpenGroup {
     bool any = false;
-    std::int64_t epoch = kNoEpoch;          ///< of its last row
+    std::int64_t epoch = kNoEpoch;          ///< epoch of its last row
     double time_s = 0.0;                    ///< of that
-    double from_s = 0.0;                    ///< of its first row
+    double from_s = 0.0;                    ///< time of its first row
     std::size_t block = 0, chunk = 0;       ///< in which it began
     std::optional<std::size_t> split = {};  ///< where it lies in several
     [[nodiscard]] bool ends_state(StateKind kind, const Arrival& a) const;
@@ -98,7 +98,7 @@ class ChunkIndex {
   StateKinds kinds_;
   std::size_t vehicles_, beacons_, chunk_arrivals_;
   std::size_t chunk_size_ = 0;
-  std::vector<OpenGroup> open_;  ///< of each vehicle
+  std::vector<OpenGroup> open_;  ///< open group of each vehicle
   std::vector<RunStates> runs_;
   std::vector<Chunk> chunks_;
   std::size_t arrivals_ = 0;

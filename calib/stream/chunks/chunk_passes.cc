@@ -103,7 +103,7 @@ class PassSummer {
 }  // namespace
 
 StreamPlan stream_plan(std::size_t memory_bytes, int threads) {
-  // Something is left for what remains of the readings, and for the epochs that are looked at one by one.
+  // Part of the memory is reserved for the data that are kept between passes, and for the sampled epochs.
   memory_bytes -= std::min(memory_bytes / 2, kBesideChunks);
   StreamPlan plan;
   plan.chunk_arrivals = std::clamp<std::size_t>(memory_bytes / 8 / kBytesInWork, 1, kMostInChunk);
@@ -161,7 +161,7 @@ Result<void> ChunkPasses::load(std::size_t chunk, ChunkWork& w) const {
   return {};
 }
 
-/// Where a reading has been there before.
+/// Returns true if an earlier pass processed a chunk with the same states and observations.
 bool ChunkPasses::is_as_before(std::size_t chunk, const ChunkWork& w) const {
   const std::vector<KeptTrajectory>& kept = kept_[chunk].trajectories;
   for (std::size_t i = 0; i < kept.size(); ++i)
@@ -251,7 +251,7 @@ void ChunkPasses::gather_trajectory(const ChunkWork& w, const Trajectory& t, con
   for (std::size_t k = (stride - before % stride) % stride; k < all.size(); k += stride)
     some.push_back(all[k]);
   TrajectoryFindings part{t, w.log, pick_segments(t, some)};
-  // What a stretch's neighbours told of its ends is no part of the sample.
+  // Information from the neighbours of a segment about its ends is not part of the sample.
   for (const Segment& s : part.sampled.segments)
     if (cut && part.sampled.nodes[s.first_node].placed)
       octant::solve_states(part.sampled, s, gatherer.state(), {});

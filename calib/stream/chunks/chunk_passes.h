@@ -13,11 +13,11 @@
 
 namespace octant::calib {
 
-/// How much of a log is at hand at once. The chunks depend on the memory alone, so that no sum depends on the
-/// number of threads.
+/// Amount of a log in memory at a time. The chunks depend on the memory only, so no sum depends on the number
+/// of threads.
 struct StreamPlan {
   std::size_t chunk_arrivals = 0;
-  std::size_t piece_bytes = 0;  ///< of drives, instead
+  std::size_t piece_bytes = 0;  ///< bytes of a piece of a drive
   int workers = 1;              ///< chunks worked on side by side
 };
 [[nodiscard]] StreamPlan stream_plan(std::size_t memory_bytes, int threads);
@@ -27,18 +27,18 @@ struct ChunkWork {
   const Chunk* chunk = nullptr;
   MeasurementLog log;
   std::vector<Trajectory> trajectories;
-  PassSum sum;  ///< of the chunk alone
+  PassSum sum;  ///< sum of this chunk
 };
 
-/// What remains of a chunk between the readings.
+/// Data of a chunk that are kept between passes.
 struct KeptChunk {
   std::vector<KeptTrajectory> trajectories;
   std::vector<float> start_heading_rad;
 };
 
-/// The states of a log but for drives, read again for each look at them, chunk by chunk on several threads.
-/// Between the readings there remains where each state is (28 bytes of a stop in the plane) and what became
-/// of each arrival (one byte); ranks keep those of their own chunks and read no others.
+/// All states of a log except drives, read in each pass, chunk by chunk on several threads. Between the
+/// passes, the position of each state (28 bytes of a stop in the plane) and the fate of each arrival (one
+/// byte) are kept. Each rank keeps and reads its own chunks only.
 class ChunkPasses : public LogReadings {
  public:
   ChunkPasses(const ReadingTask& task, const ChunkIndex& index);
@@ -46,7 +46,7 @@ class ChunkPasses : public LogReadings {
   /// See place_all.
   [[nodiscard]] Result<Placed> place(const Estimate& estimate, double suspect_sigmas, bool reject) override;
   [[nodiscard]] Result<PassSum> pass(const Estimate& estimate, RejectionPolicy policy) override;
-  /// Looked at one by one are every so many-th epoch or moment, and stretches of what hangs together.
+  /// The sample consists of evenly spaced epochs or moments, and of segments of connected states.
   [[nodiscard]] Result<void> gather(const Estimate& estimate, FindingsGatherer& gatherer) override;
 
  private:
@@ -63,9 +63,9 @@ class ChunkPasses : public LogReadings {
   const ChunkIndex& index_;
   TrajectoryModel model_;
   std::size_t first_, last_;             ///< chunks of this rank
-  std::vector<StateBearings> bearings_;  ///< of each run
+  std::vector<StateBearings> bearings_;  ///< bearings of each run
   std::vector<std::unique_ptr<ChunkWork>> workers_;
-  std::vector<KeptChunk> kept_;  ///< of each chunk
+  std::vector<KeptChunk> kept_;  ///< kept data of each chunk
 };
 
 }  // namespace octant::calib

@@ -39,7 +39,7 @@ Result<void> for_each_row_of_block(const ArrivalSource& source, const ChunkIndex
   return {};
 }
 
-/// What each block of a list gives, read side by side.
+/// Result of each block of a list, read in parallel.
 template <class Found, class Read>
 Result<std::vector<Found>> read_blocks(const std::vector<std::size_t>& blocks, int threads, Read&& read) {
   std::vector<Found> found;
@@ -54,7 +54,7 @@ Result<std::vector<Found>> read_blocks(const std::vector<std::size_t>& blocks, i
   return found;
 }
 
-/// Chooses more epochs for the beacons that the chosen ones hear too seldom, of those that hear them.
+/// Chooses further epochs for beacons that the chosen ones receive too rarely.
 Result<void> choose_for_rare_beacons(const ArrivalSource& source, const ChunkIndex& index, std::size_t run,
                                      int threads, GroupsHearing& hearing, std::vector<bool>& chosen) {
   struct HeardBeacon {

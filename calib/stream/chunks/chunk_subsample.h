@@ -12,9 +12,9 @@
 
 namespace octant::calib {
 
-/// Evenly spread epochs of the stops of a run that is not in memory (see subsample_of in long_log.h). Reads
-/// the blocks in which those epochs lie; all blocks once more where a beacon is heard so seldom that they are
-/// not enough of it.
+/// Evenly spaced epochs of the stops of a run that is not in memory (see subsample_of in long_log.h). Reads
+/// the blocks with those epochs, and all blocks again if a beacon is received so rarely that they are not
+/// enough.
 [[nodiscard]] Result<MeasurementLog> subsample_of_stops(std::size_t run, const Site& site,
                                                         const ArrivalSource& source, const ChunkIndex& index,
                                                         int threads = 1);

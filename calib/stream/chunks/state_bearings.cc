@@ -34,7 +34,7 @@ std::vector<std::size_t> StateBearings::of_states_in(const std::vector<Arrival>&
   return numbers;
 }
 
-/// Those of the time of a vehicle's arrivals, or all where its states are one chain.
+/// Bearings within the time of a vehicle's arrivals, or all if its states are one chain.
 void StateBearings::add_near(VehicleId vehicle, const std::vector<Arrival>& arrivals,
                              std::vector<std::size_t>& numbers) const {
   double from_s = INFINITY, until_s = -INFINITY;

@@ -12,7 +12,7 @@
 namespace octant::calib {
 namespace {
 
-/// States of a vehicle stand at its odometry rows.
+/// The states of a vehicle are at its odometry rows.
 DriveChain chain_of(const MeasurementLog& log, std::size_t run, VehicleId vehicle, std::size_t beacons,
                     const TrajectoryModel& model) {
   DriveChain chain;
@@ -139,7 +139,7 @@ void DriveIndex::end(std::size_t piece_bytes) {
       piece.last_unit = u + 1;
       const std::size_t bytes =
           piece.nodes * kBytesOfStateInWork + piece.arrivals * kBytesOfDriveArrivalInWork;
-      // The last piece is none of a few states.
+      // The last piece does not consist of a few states only.
       const bool is_last = u + 1 == chain.units.size(), may_end = u + 2 < chain.units.size();
       if (!is_last && !(may_end && bytes >= piece_bytes)) continue;
       piece.open_left = piece.first_unit > 0;

@@ -12,26 +12,26 @@
 
 namespace octant::calib {
 
-/// A stretch of a drive of kUnitNodes states, which begins where the one before it ends.
+/// A segment of a drive with kUnitNodes states, which begins where the one before it ends.
 struct DriveUnit {
   double from_s = 0.0;
-  std::size_t first_row = 0;  ///< of the run's odometry: its first state
+  std::size_t first_row = 0;  ///< row of the run's odometry at its first state
   std::size_t arrivals = 0;
-  std::size_t first_block = 0, last_block = 0;  ///< of the source, [first, last): those with its arrivals
+  std::size_t first_block = 0, last_block = 0;  ///< blocks of the source with its arrivals, [first, last)
 };
 inline constexpr std::size_t kUnitNodes = kStretchNodes;
 
-/// The drive of one vehicle in one run; without units where its states are none (StateKind).
+/// The drive of one vehicle in one run; without units if its states are not a drive (StateKind).
 struct DriveChain {
   std::size_t run = 0;
   VehicleId vehicle;
   std::size_t nodes = 0, arrivals = 0;
   double until_s = 0.0;
-  std::size_t last_row = 0;  ///< of its last state
+  std::size_t last_row = 0;  ///< odometry row of its last state
   std::vector<DriveUnit> units;
-  std::vector<std::size_t> stateless;  ///< of each beacon, before the first or behind the last state
+  std::vector<std::size_t> stateless;  ///< arrivals of each beacon before the first or after the last state
   std::size_t stateless_count = 0;
-  int stateless_line = 0;  ///< of the first of them
+  int stateless_line = 0;  ///< line of the first of them
 
   /// States of a unit, both ends included.
   [[nodiscard]] std::size_t nodes_of(std::size_t unit) const;
@@ -46,7 +46,7 @@ struct DriveGroup {
   std::int64_t key = 0;  ///< which seconds
   double first_s = 0.0, last_s = 0.0;
   std::size_t arrivals = 0;
-  std::size_t first_block = 0, last_block = 0;  ///< of the source, [first, last)
+  std::size_t first_block = 0, last_block = 0;  ///< blocks of the source, [first, last)
 };
 /// All of a run, in the order in which they begin.
 struct DriveGroups {
@@ -55,7 +55,7 @@ struct DriveGroups {
   std::size_t arrivals = 0;
   std::vector<DriveGroup> groups;
   std::vector<std::uint32_t> heard;  ///< group-major: arrivals of each beacon
-  std::vector<std::size_t> latest;   ///< of each vehicle; SIZE_MAX: none
+  std::vector<std::size_t> latest;   ///< latest unit of each vehicle; SIZE_MAX: not known
 
   [[nodiscard]] std::int64_t key_at(double time_s) const;
 };
@@ -92,11 +92,11 @@ class DriveIndex {
   [[nodiscard]] const DriveGroups& groups(std::size_t run) const { return groups_[run]; }
   /// A piece with a unit more wherever it has a neighbour.
   [[nodiscard]] DrivePiece widened(const DrivePiece& piece) const;
-  [[nodiscard]] std::size_t arrivals() const { return arrivals_; }  ///< that a state carries
+  [[nodiscard]] std::size_t arrivals() const { return arrivals_; }  ///< arrivals that belong to a state
   [[nodiscard]] std::size_t nodes() const { return nodes_; }
   [[nodiscard]] std::size_t beacons() const { return beacons_; }
 
-  /// Puts the arrivals of a group in place of what `arrivals` held. Any thread.
+  /// Replaces the content of `arrivals` by the arrivals of a group. Any thread may call it.
   [[nodiscard]] Result<void> read(const ArrivalSource& source, std::size_t run, const DriveGroup& group,
                                   std::vector<Arrival>& arrivals) const;
   /// A piece as a log: its odometry rows, first state to last, its arrivals, bearings and measured poses; all

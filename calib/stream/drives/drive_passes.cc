@@ -25,7 +25,8 @@ constexpr double kPieceAtRest = 1e-9;
 
 }  // namespace
 
-/// Pieces of chains, joined in their order, whoever is first. With ranks each waits for its own to be told.
+/// Pieces of chains, joined in their order whichever ends first. With ranks, each one waits for its own
+/// pieces.
 class DrivePasses::JoinedEnds {
  public:
   JoinedEnds(const DrivePasses& passes, Eigen::Index parameters)
@@ -60,7 +61,7 @@ class DrivePasses::JoinedEnds {
   }
 
  private:
-  /// A piece that nothing places gives nothing, and has no ends then.
+  /// A piece without a placed state adds no information and has no ends.
   void append(std::size_t piece, const OpenChain& system) {
     if (system.H.size() > 0) chains_[passes_.index_.pieces()[piece].chain].append(system);
   }
@@ -107,7 +108,7 @@ Result<void> DrivePasses::for_each_piece(bool widened, Do&& work) {
   return for_each_side_by_side(first_, last_, workers_.size(), task_.monitor, load);
 }
 
-/// What was heard at the begin of a piece was asked for before it (two-way ranging).
+/// Arrivals at the beginning of a piece may have been requested before it (two-way ranging).
 void DrivePasses::extend_back(DriveWork& w) const {
   Trajectory& t = w.t();
   double asked_s = t.nodes.front().time_s, heard_s = asked_s;
@@ -150,7 +151,7 @@ Result<LogReadings::Placed> DrivePasses::place(const Estimate& estimate, double 
   const SharedState state = estimate.state();
   SpreadArrivals spread(task_, state, kept_.size());
   std::vector<std::vector<double>> ends(kept_.size());
-  // What is heard before and behind a piece tells its ends as well.
+  // Arrivals before and after a piece also determine its ends.
   auto done = for_each_piece(true, [&](std::size_t k, DriveWork& w) {
     apply_gates(task_.frame.site, w.trajectory, 1);
     place_all_drives(task_.frame, state, estimate.beacon_usable, 1, w.trajectory);
@@ -175,8 +176,8 @@ Result<LogReadings::Placed> DrivePasses::place(const Estimate& estimate, double 
   return placed;
 }
 
-/// What no arrivals could place odometry reaches from a neighbour; neighbours then agree about the state that
-/// they share.
+/// Places pieces without arrivals by odometry from a neighbour; then makes neighbours agree about the state
+/// that they share.
 /// @param numbers  of the first and the last state of each piece
 void DrivePasses::join_pieces(const std::vector<double>& numbers) {
   const std::vector<DrivePiece>& pieces = index_.pieces();
@@ -242,8 +243,8 @@ std::vector<Node> DrivePasses::ends_at(const Eigen::VectorXd& x) const {
   return ends;
 }
 
-/// Solves for the states of a piece with plain squares, its ends held, marks arrivals as asked, and reduces
-/// it.
+/// Solves for the states of a piece with plain squares and fixed ends, marks arrivals as requested, and
+/// reduces it.
 void DrivePasses::solve_states(const DrivePiece& piece, const ParameterLayout& layout,
                                const SharedState& state, RejectionPolicy policy, PassCounts& counts,
                                DriveWork& w, OpenChain& out) const {

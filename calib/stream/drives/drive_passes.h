@@ -26,8 +26,8 @@ class DrivePasses : public LogReadings {
   [[nodiscard]] Result<Placed> place(const Estimate& estimate, double suspect_sigmas, bool reject) override;
   [[nodiscard]] Result<PassSum> pass(const Estimate& estimate, RejectionPolicy policy) override;
   void accept() override { from_ = tried_; }
-  /// Looked at one by one are evenly spread stretches, each solved for itself (as error_sample does): what
-  /// its neighbours told of its ends is no part of the sample.
+  /// The sample consists of evenly spaced segments, each solved separately (as error_sample does):
+  /// information from its neighbours about its ends is not part of the sample.
   [[nodiscard]] Result<void> gather(const Estimate& estimate, FindingsGatherer& gatherer) override;
 
  private:
@@ -35,7 +35,7 @@ class DrivePasses : public LogReadings {
   struct PieceEnds {
     std::vector<Node> state;       ///< behind each piece
     Eigen::VectorXd x;             ///< where that was done; empty: nowhere
-    std::vector<EndChain> chains;  ///< of each chain
+    std::vector<EndChain> chains;  ///< ends of each chain
   };
   class JoinedEnds;
 
@@ -58,8 +58,8 @@ class DrivePasses : public LogReadings {
   TrajectoryModel model_;
   std::size_t first_, last_;  ///< pieces of this rank
   std::vector<DriveWork> workers_;
-  std::vector<KeptTrajectory> kept_;  ///< of each piece
-  std::vector<Trajectory> like_;      ///< of each chain what kind of states it has, and no states
+  std::vector<KeptTrajectory> kept_;  ///< kept data of each piece
+  std::vector<Trajectory> like_;      ///< for each chain, an empty trajectory with its kind of states
   PieceEnds from_, tried_;
 };
 

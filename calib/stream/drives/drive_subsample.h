@@ -6,8 +6,9 @@
 
 namespace octant::calib {
 
-/// Evenly spread stretches of a run that is not at hand and not of stops alone, their odometry row by row and
-/// summed up between them, and enough of each beacon: what subsample() takes of drives that are.
+/// Evenly spaced segments of a run that is not in memory and does not consist of stops only, with their
+/// odometry row by row, summed odometry between them, and enough arrivals of each beacon; the equivalent of
+/// subsample() for runs in memory.
 [[nodiscard]] Result<MeasurementLog> subsample_of_drives(std::size_t run, const Site& site,
                                                          const ArrivalSource& source,
                                                          const DriveIndex& index);

@@ -50,7 +50,7 @@ void EndChain::append(const OpenChain& piece) {
 
 void EndChain::add_to(ReducedSystem& system) const {
   const Eigen::Index n = sum_.rows() - 1;
-  // What the ends gain stands where the gradient meets itself: -y'y.
+  // The gain of the ends is in the diagonal element of the gradient: -y'y.
   system.cost += cost_ + 0.5 * sum_(n, n);
   system.H += Eigen::MatrixXd(sum_.topLeftCorner(n, n).selfadjointView<Eigen::Lower>());
   system.gradient += sum_.row(n).head(n).transpose();

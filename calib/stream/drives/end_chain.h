@@ -46,9 +46,9 @@ class EndChain {
   };
   Eigen::Index block_;
   double cost_ = 0.0;
-  Eigen::MatrixXd sum_;  ///< of the parameters and the gradient
+  Eigen::MatrixXd sum_;  ///< system of the parameters and the gradient
   NodeBlock D_;
-  Border G_;  ///< of the end behind the last piece
+  Border G_;  ///< border of the end after the last piece
   std::vector<EliminatedEnd> ends_;
 };
 
