@@ -54,8 +54,8 @@ class PartCost : public ceres::CostFunction {
     const double cost =
         part_ < 0 ? point_->cost : point_->observations->costs()[static_cast<std::size_t>(part_)];
     if (jacobians == nullptr) {
-      // Only the cost is asked for: it may stand in one row. Where nothing is left of it, what rounds may be
-      // below zero.
+      // Only the cost is requested, so it may be one residual. Where it is almost zero, rounding may make it
+      // negative.
       std::fill(residuals, residuals + num_residuals() - 1, 0.0);
       residuals[num_residuals() - 1] = std::sqrt(2.0 * std::max(0.0, cost));
     } else {
@@ -153,9 +153,8 @@ ceres::Solver::Options solver_options(const AdjustOptions& options, bool dense) 
   return ceres_options;
 }
 
-/// Whether an adjustment that came to the end of its iterations gained nothing in their second half that
-/// anybody could see: a hundredth of the square of one sigma. It creeps along a valley that is bent, but is
-/// as good as at rest.
+/// Returns true if the second half of the iterations of an adjustment gained less than a hundredth of the
+/// square of one sigma. It follows a bent valley, but is practically converged.
 bool crawls(const ceres::Solver::Summary& summary) {
   constexpr double kNegligibleGain = 0.005;
   if (summary.termination_type != ceres::NO_CONVERGENCE || summary.iterations.size() < 20) return false;

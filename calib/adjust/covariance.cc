@@ -20,11 +20,11 @@ constexpr double kUnobservable = 1e-12;
 /// Lanczos: the largest variances stand out, and the space is then complete long before.
 constexpr Eigen::Index kMostSteps = 150;
 constexpr double kConverged = 1e-6;
-/// Of a parameter of which rounding has left none: known to a thousand kilometres.
+/// Sigma of a parameter without information: a thousand kilometres.
 constexpr double kNoInformation = 1e-12;
 
-/// What is left of the information on a parameter that nothing sees is rounding, and may be below zero: such
-/// a parameter stands by itself then, as good as unknown.
+/// The remaining information on an unobservable parameter is a rounding error and may be negative: such a
+/// parameter is then separated and treated as unknown.
 void separate_unobservable(Eigen::MatrixXd& N) {
   for (Eigen::Index i = 0; i < N.rows(); ++i) {
     if (N(i, i) > 0) continue;
@@ -96,7 +96,7 @@ class Covariance::Sparse {
     const std::lock_guard lock(mutex_);
     return times(Eigen::VectorXd::Unit(size(), j))(i, 0);
   }
-  /// Of the free network, from the element of the scaled and pinned one.
+  /// Element of the free network's covariance, from that of the scaled and pinned one.
   [[nodiscard]] double shifted(Eigen::Index i, Eigen::Index j, double element) const {
     const double c = inverse_scale_[i] * element * inverse_scale_[j];
     if (datum_.cols() == 0) return c;
@@ -115,7 +115,7 @@ class Covariance::Sparse {
   [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& v) const {
     return inverse_scale_.asDiagonal() * factor_->solve(inverse_scale_.asDiagonal() * v);
   }
-  /// Holds as many parameters as the datum has freedoms, those that these move most.
+  /// Fixes as many parameters as the datum has degrees of freedom: those that it moves most.
   void pin(Eigen::SparseMatrix<double>& N) const {
     const PivotedQr qr(datum_.transpose());
     const double weight = N.diagonal().mean();

@@ -24,8 +24,8 @@ class Covariance {
  public:
   Covariance();
   explicit Covariance(Eigen::MatrixXd matrix);
-  /// @param information  symmetric, both triangles stored  @param datum  orthonormal columns, none where the
-  /// datum is fixed
+  /// @param information  symmetric, both triangles stored
+  /// @param datum        orthonormal columns; empty if the datum is fixed
   Covariance(const Eigen::MatrixXd& information, const Eigen::MatrixXd& datum);
   Covariance(const Eigen::SparseMatrix<double>& information, const Eigen::MatrixXd& datum);
 
@@ -35,19 +35,19 @@ class Covariance {
   [[nodiscard]] bool all_finite() const;
 
   [[nodiscard]] double operator()(Eigen::Index i, Eigen::Index j) const;
-  /// @param columns  -1: a parameter that is held, of no variance
+  /// @param columns  -1: a fixed parameter, without variance
   [[nodiscard]] Eigen::MatrixXd block(std::span<const int> columns) const;
   [[nodiscard]] Eigen::VectorXd times(const Eigen::VectorXd& v) const;
-  /// Whole columns, size() x as many.
+  /// Whole columns, size() x their number.
   [[nodiscard]] Eigen::MatrixXd columns(const std::vector<int>& columns) const;
 
   struct Direction {
     double variance = 0.0;
     Eigen::VectorXd v;  ///< unit length
   };
-  /// Eigenvectors of W C W with the largest variances, largest first, at most so many and none with a
-  /// variance below `least`. Beyond a matrix by Lanczos's method with full orthogonalisation (Golub and Van
-  /// Loan, section 10.1).
+  /// Eigenvectors of W C W with the largest variances, largest first, at most the given number and only with
+  /// variances of `least` or more. For sparse covariances by Lanczos's method with full orthogonalisation
+  /// (Golub and Van Loan, section 10.1).
   [[nodiscard]] std::vector<Direction> largest(const Eigen::VectorXd& weights, std::size_t most,
                                                double least) const;
 

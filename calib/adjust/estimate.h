@@ -16,9 +16,9 @@ namespace octant::calib {
 struct Estimate {
   ParameterLayout layout;
   Eigen::VectorXd x;
-  AdjustResult last = {};                ///< of the adjustment that led to x
+  AdjustResult last = {};                ///< result of the adjustment that led to x
   double noise_factor = 1.0;             ///< noise of the arrivals as found over the stated one
-  double pose_factor = 1.0;              ///< the same of measured poses
+  double pose_factor = 1.0;              ///< factor of the sigmas of measured poses
   std::vector<bool> beacon_usable = {};  ///< found
   /// A second place of a beacon, adjusted as well, is as good by all observations.
   std::vector<bool> beacon_mirrored = {};

@@ -18,13 +18,14 @@ namespace {
 SystemResiduals system_residuals_of(const ReducedSystem& system) {
   constexpr double kLeastPivot = 1e-13, kLeastInformation = 1e-300;
   SystemResiduals out;
-  // What is left of a parameter that nothing sees is rounding, which may be below zero: it takes no part.
+  // The remaining information on an unobservable parameter is a rounding error and may be negative: it is
+  // left out.
   const Eigen::VectorXd diagonal = system.H.diagonal();
   const Eigen::VectorXd scale = diagonal.cwiseMax(0.0).cwiseSqrt();
   const Eigen::VectorXd inverse = (diagonal.array() > kLeastInformation).select(scale.cwiseInverse(), 0.0);
   const DenseLdlt ldlt((inverse.asDiagonal() * system.H * inverse.asDiagonal()).eval());
   const Eigen::VectorXd d = ldlt.vectorD();
-  // P' L D L' P: rank-deficient directions (nothing in this tile sees them) get a zero row.
+  // P' L D L' P: rank-deficient directions, which no observation of this tile depends on, get a zero row.
   Eigen::VectorXd y = ldlt.transpositionsP() * (inverse.asDiagonal() * system.gradient).eval();
   ldlt.matrixL().solveInPlace(y);
   const Eigen::MatrixXd L = ldlt.matrixL();

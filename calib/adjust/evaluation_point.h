@@ -20,8 +20,8 @@ struct SystemResiduals {
   double rest = 0.0;
 };
 
-/// All observations at the point that Ceres asks about, evaluated once for whoever wants to know: a candidate
-/// is solved, and where it is taken only its reduction is added.
+/// All observations at the point that Ceres evaluates, computed once for all users. The states of a candidate
+/// are solved; only if it is accepted, its reduction is added.
 struct EvaluationPoint : ceres::EvaluationCallback {
   EvaluationPoint(const Problem& problem_of_all, SystemSum* all, const ParameterLayout* layout_of_all,
                   const Eigen::VectorXd* x_of_all, const AdjustOptions& options_of_all)
@@ -45,16 +45,16 @@ struct EvaluationPoint : ceres::EvaluationCallback {
   bool at_rest = false;                    ///< the step that led here was the last worth taking
   ReducedSystem sum;                       ///< dense
   Eigen::VectorXd reduced_at;              ///< where that was formed
-  std::vector<SystemResiduals> residuals;  ///< of the sum; else of each part
+  std::vector<SystemResiduals> residuals;  ///< residuals of the sum; otherwise of each part
 
   void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override;
 
-  /// Whether rays of some metres and lever arms of some centimetres point where they did when the system was
-  /// formed, to a thousandth: then its matrix is good for a covariance here.
+  /// Returns true if rays of some metres and lever arms of some centimetres have the same directions as when
+  /// the system was formed, to a thousandth: then its matrix is accurate enough for a covariance here.
   [[nodiscard]] bool rays_are_the_same() const;
 
  private:
-  /// The system here, which is not even needed where nothing worth while is left to gain.
+  /// The system at this point; it is not needed if almost no gain is left.
   void evaluate_system();
 
   /// A step gains half of its square in the matrix. Steps of Gauss and Newton leave a few hundredths of the

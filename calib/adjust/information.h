@@ -30,7 +30,7 @@ struct Information {
                                                              const ParameterLayout& layout,
                                                              const Eigen::VectorXd& x,
                                                              std::vector<SystemPart> data);
-/// The same of all observations, states solved for.
+/// Information of all observations, with the states solved.
 [[nodiscard]] Eigen::SparseMatrix<double> sparse_information_at(const Problem& problem,
                                                                 const ParameterLayout& layout,
                                                                 std::vector<Trajectory>& trajectories,

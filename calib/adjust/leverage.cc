@@ -32,9 +32,9 @@ Eigen::MatrixXd pivoted_root_of(const Eigen::MatrixXd& C) {
   return root.leftCols(rank);
 }
 
-/// L with C = L L' of all parameters, symmetric but for their units. Errors are drawn by its columns: with
-/// pivots, whose order hangs on rounding where variances are scaled alike, what is stated would hang on it
-/// too.
+/// L with C = L L' of all parameters, symmetric except for their units. Errors are drawn by its columns. The
+/// order of pivots depends on rounding if variances are scaled alike, and the stated sigmas would depend on
+/// it too.
 Eigen::MatrixXd symmetric_root_of(const Eigen::MatrixXd& C) {
   if (C.rows() == 0) return C;
   const UnitDiagonal<Eigen::MatrixXd> unit(C);

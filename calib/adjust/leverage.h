@@ -64,8 +64,9 @@ class LeverageSweep {
   /// @param C  joint covariance of the layout's parameters, not owned
   LeverageSweep(const ParameterLayout& layout, const Covariance& C);
 
-  /// Calls visit(RowLeverage) for every row in use of the placed segments, plain squares, at solved states.
-  /// @param every  of long logs: only the first of so many of the segments [first, last)
+  /// Calls visit(RowLeverage) for every used row of the placed segments, with plain squares, at solved
+  /// states.
+  /// @param every  for long logs: only the first of this number of the segments [first, last)
   template <class Visitor>
   void sweep(const Trajectory& trajectory, const SharedState& state, std::size_t first, std::size_t last,
              std::size_t stride, Visitor&& visit) {
@@ -84,8 +85,8 @@ class LeverageSweep {
 
   /// Leverage of a row that touches shared parameters only (a prior, a taped distance).
   [[nodiscard]] double leverage_of(const std::vector<std::pair<int, double>>& entries) const;
-  /// What is known of each beacon's lateness, after all trajectories were swept; empty where the covariance
-  /// is not formed as a whole.
+  /// Information on each beacon's lateness, after all trajectories were processed; empty if the covariance is
+  /// not dense.
   [[nodiscard]] std::vector<LatenessInformation> lateness() const;
   /// L of the covariance as a whole (of the segment at hand, where that is not formed).
   [[nodiscard]] const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& root() const {
@@ -109,22 +110,22 @@ class LeverageSweep {
   const Eigen::MatrixXd& beacon_shift(std::size_t node);
 
   const ParameterLayout& layout_;
-  const SharedState* state_ = nullptr;  ///< of the sweep at hand
+  const SharedState* state_ = nullptr;  ///< state of the present sweep
   const Covariance* C_;
-  std::vector<int> place_;    ///< of each parameter in L; -1: the segment at hand does not see it
-  std::vector<int> touched_;  ///< parameters that stand in L
+  std::vector<int> place_;    ///< position of each parameter in L; -1: not in the present segment
+  std::vector<int> touched_;  ///< parameters in L
   RowMatrix root_;            ///< L, parameters x rank
   Eigen::MatrixXd beacon_C_;  ///< beacon coordinates x parameters
   RowMatrix beacon_root_;     ///< rows of L of the beacon coordinates
   std::vector<double> lateness_total_, lateness_remaining_;
   RowMatrix lateness_shared_;  ///< beacons x rank
 
-  // Of the segment at hand, by node.
+  // For the present segment, by node.
   std::size_t count_ = 0;
   int n_ = 0;
   std::vector<NodeBlock> D_, U_, inverse_;
-  std::vector<RowMatrix> carry_;  ///< what the nodes before a block pass on to its coupling
-  // Of the block at hand, its first node first, one node beyond its end.
+  std::vector<RowMatrix> carry_;  ///< contribution of the nodes before a block to its coupling
+  // For the present block, from its first node to one node beyond its end.
   std::size_t first_ = 0, last_ = 0;
   RowMatrix G_, lateness_G_, X_;
   std::vector<NodeBlock> P_, cross_;
@@ -135,7 +136,7 @@ class LeverageSweep {
     Eigen::MatrixXd by_state;  ///< beacon coordinates x state
   };
   std::array<StateShift, 2> shifts_;
-  RowEntries entries_;  ///< of the row projected last
+  RowEntries entries_;  ///< result of the row projected last
 };
 
 }  // namespace octant::calib

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What is known of the shared parameters beside the arrivals: priors of single ones and of several together,
+// Information on the shared parameters other than arrivals: priors of single ones and of several together,
 // and taped distances.
 
 #include <functional>
@@ -24,8 +24,8 @@ struct PriorRow {
 [[nodiscard]] PriorRow distance_row(const ControlDistance& distance, const ParameterLayout& layout,
                                     const SharedState& state);
 
-/// A row for the prior of each parameter, of zeros where it has none; then those of taped distances and of
-/// what is known of several parameters together. Which columns each touches does not depend on x.
+/// A row for the prior of each parameter (zeros without a prior), then rows for taped distances and for
+/// priors of several parameters together. The columns of each row do not depend on x.
 [[nodiscard]] std::vector<PriorRow> prior_rows(const Problem& problem, const ParameterLayout& layout,
                                                const Eigen::VectorXd& x);
 

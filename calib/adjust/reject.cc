@@ -20,8 +20,8 @@ constexpr double kTruncation = 2.5;
 constexpr double kTruncatedVariance = 0.91125;
 constexpr double kReadmit = 0.9;
 
-/// Whether half of what stops hear, or more, goes into their poses: these leave residuals that say little of
-/// the noise, and where two arrivals tell a place none at all.
+/// Returns true if half of the arrivals at stops, or more, determine their poses. Their residuals then
+/// contain little information on the noise, and none where two arrivals determine a position.
 bool are_stops_saturated(const std::vector<Trajectory>& trajectories) {
   std::size_t arrivals = 0, unknowns = 0;
   for (const Trajectory& t : trajectories) {

@@ -15,7 +15,7 @@ namespace octant::calib {
 /// where there are too few.
 [[nodiscard]] double agreeing_sigma(const std::vector<Trajectory>& trajectories, const SharedState& state);
 
-/// The same estimate from magnitudes of whitened residuals.
+/// The estimate from magnitudes of whitened residuals.
 [[nodiscard]] double agreeing_sigma(std::vector<double> magnitudes);
 
 /// Marks arrivals and bearings beyond `limit` sigmas as rejected, late or early, and readmits those within
@@ -27,14 +27,14 @@ std::size_t reject_outliers(std::vector<Trajectory>& trajectories, const SharedS
 /// times, and stays.
 /// @param before_s, now_s  of the times of flight
 void rescale_noise(std::vector<Trajectory>& trajectories, double before_s, double now_s);
-/// The sigmas of measured poses are so many times what they were.
+/// Scales the sigmas of measured poses by a factor.
 void rescale_poses(std::vector<Trajectory>& trajectories, double factor);
 
 /// All arrivals and bearings in use again, but those of unusable beacons and of states without a place.
 void readmit_all(std::vector<Trajectory>& trajectories, const std::vector<bool>& beacon_usable);
 
-/// Whether the residuals of arrivals that agree (reject.h) say that the noise is not what was assumed: only a
-/// gross departure counts before the rejection. What is left is for NoiseSearch (statistics.h).
+/// Returns true if the residuals of arrivals that agree (reject.h) show another noise than assumed. Before
+/// the rejection, only a gross deviation counts; NoiseSearch (statistics.h) determines the rest.
 [[nodiscard]] inline bool is_far_off(double agreeing_sigma) {
   return agreeing_sigma < 0.5 || agreeing_sigma > 1.5;
 }

@@ -32,9 +32,9 @@ class SparseFactor::Parts : public Eigen::CholmodSupernodalLLT<Eigen::SparseMatr
     inverse.assign(n == 0 ? 0 : m_cholmodFactor->xsize, 0.0);
   }
 
-  std::vector<int> place;       ///< of each row in the elimination order
-  std::vector<int> supernode;   ///< of each column in that order
-  std::vector<double> inverse;  ///< laid out as L
+  std::vector<int> place;       ///< position of each row in the elimination order
+  std::vector<int> supernode;   ///< supernode of each column in that order
+  std::vector<double> inverse;  ///< stored as L
 
   [[nodiscard]] std::size_t supernodes() const { return m_cholmodFactor->nsuper; }
   [[nodiscard]] int first(std::size_t k) const { return static_cast<const int*>(m_cholmodFactor->super)[k]; }

@@ -27,7 +27,7 @@ class SparseFactor {
   [[nodiscard]] double condition() const;
   /// Not from two threads at a time.
   [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& rhs) const;
-  /// Element of the inverse where it stands in the pattern.
+  /// Element of the inverse within the pattern.
   [[nodiscard]] std::optional<double> inverse(Eigen::Index i, Eigen::Index j) const;
 
  private:

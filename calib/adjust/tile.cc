@@ -18,15 +18,15 @@ namespace {
 
 constexpr std::size_t kNodesPerTile = 512;
 constexpr std::size_t kNodesOfLongChain = 1024;
-/// A step of a chain's states that gains less than this share of the cost is the last: the next would gain a
-/// hundredth of that at most, and the reduction takes its first order with it. Weights of a robust loss bend
-/// the cost more than that order tells.
+/// A step of a chain's states that gains less than this fraction of the cost is the last one: the next would
+/// gain a hundredth of that at most, and the reduction includes its first order. The weights of a robust loss
+/// bend the cost more than that order.
 constexpr double kChainAtRest = 1e-3, kRobustChainAtRest = 1e-5;
 /// With plain squares a step of a few centimetres is the last too: this share of the cost at most is left to
 /// the reduction.
 constexpr double kLeftToReduction = 0.01;
-/// Where the shared system is sparse a tile closes beyond so many beacons: its own system is dense in the
-/// columns it touches.
+/// If the shared system is sparse, a tile ends beyond this number of beacons, because its own system is dense
+/// in its columns.
 constexpr std::size_t kBeaconsPerSparseTile = 24;
 
 }  // namespace
@@ -151,9 +151,9 @@ double Tile::reduce(const SharedState& state, const RobustLoss& loss, const std:
 
 namespace {
 
-/// What decides where a segment goes. Stops that hear the same beacons go together: what they have in common
-/// is then summed up before it goes anywhere, and at a site of very many beacons a tile touches few of them;
-/// among these, those that hear over the same paths, which then share slots of the vector kernel.
+/// Sort key of segments. Stops with the same beacons are in one tile, so that their common part is summed
+/// first, and a tile has few beacons at a site with very many. Among these, stops with the same paths are
+/// neighbours and share slots of the vector kernel.
 struct SegmentKey {
   std::uint32_t segment = 0, nodes = 0;
   bool stop = false;                                                 ///< for the vector kernel
@@ -183,7 +183,7 @@ std::vector<SegmentKey> sorted(const std::vector<SegmentKey>& keys, std::size_t 
   return out;
 }
 
-/// Segments of a trajectory in the order in which tiles take them; what is told of the arrivals of stops.
+/// Segments of a trajectory in the order of the tiles, and the data of the arrivals of stops.
 std::vector<SegmentKey> tile_order(const Trajectory& t, const ParameterLayout& layout, int threads,
                                    StopArrivals* arrivals) {
   constexpr std::size_t kSegmentsAtOnce = 4096;

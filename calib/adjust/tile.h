@@ -23,10 +23,10 @@ namespace octant::calib {
 /// are independent.
 class Tile {
  public:
-  /// @param trajectory  not owned; this tile writes the nodes of its segments and nothing else
-  /// @param stops     segments for the vector kernel, which StopBlock takes
-  /// @param arrivals  those of the stops; not kept, null without stops
-  /// @param general   all others
+  /// @param trajectory  not owned; this tile writes only the nodes of its segments
+  /// @param stops       segments for the vector kernel, which StopBlock supports
+  /// @param arrivals    those of the stops; not kept, null without stops
+  /// @param general     all other segments
   Tile(Trajectory* trajectory, std::vector<std::size_t> stops, const StopArrivals* arrivals,
        std::vector<std::size_t> general, const ParameterLayout* layout);
 
@@ -41,20 +41,22 @@ class Tile {
   /// Global columns of the parameter blocks that this tile touches, ascending; the order of its system.
   [[nodiscard]] const std::vector<int>& columns() const { return columns_; }
 
-  /// Where each column of the layout stands in columns(); -1: nowhere.
+  /// Position of each column of the layout in columns(); -1: not in it.
   [[nodiscard]] const std::vector<int>& local_of() const { return local_of_; }
 
-  /// Whether it holds a chain so long that threads share its work: such tiles are evaluated one by one.
+  /// Returns true if it contains a chain so long that threads share its work: such tiles are evaluated one by
+  /// one.
   [[nodiscard]] bool is_long() const { return is_long_; }
 
   /// Solves for the states from where they were committed and returns the cost, of chains to the second order
   /// of what their last step gains. The trajectory shows them once they are committed and `rewind` was
   /// called.
   double solve_states(const SharedState& state, const RobustLoss& loss, int threads = 1);
-  /// Adds gradient and lower triangle of H at the states of the last `solve_states`; `place` tells where each
-  /// column of the layout stands in the system.
-  /// @return by how much the cost of that `solve_states` was off: chains are not solved to the last, and what
-  /// is left to gain is predicted by this system better than by theirs
+  /// Adds gradient and lower triangle of H at the states of the last `solve_states`. `place` is the position
+  /// of each column of the layout in the system.
+  /// @return correction of the cost of that `solve_states`: chains are not solved completely, and this system
+  /// predicts the remaining
+  /// gain better than theirs
   double reduce(const SharedState& state, const RobustLoss& loss, const std::vector<int>& place,
                 ReducedSystem& system, int threads = 1);
   /// Makes the states of the last evaluation the start of the next ones (a step was accepted).
@@ -70,12 +72,12 @@ class Tile {
   const ParameterLayout* layout_;
   std::vector<int> columns_;
   std::vector<int> local_of_;                         ///< global column -> local, -1
-  std::vector<std::size_t> stop_segments_, general_;  ///< those that the vector kernel takes, all others
+  std::vector<std::size_t> stop_segments_, general_;  ///< segments of the vector kernel, all others
   std::vector<double> solved_costs_;                  ///< cost of each of the latter
   bool is_long_ = false;
   bool has_moved_ = true;  ///< nodes of the general segments may not be where they were committed
   std::unique_ptr<StopBlock> stops_;
-  std::unique_ptr<ChainReduction> chains_;  ///< of the general segments
+  std::unique_ptr<ChainReduction> chains_;  ///< reduction of the general segments
   std::vector<Node> committed_;             ///< nodes of the general segments
 };
 

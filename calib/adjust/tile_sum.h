@@ -13,8 +13,8 @@
 
 namespace octant::calib {
 
-/// What an adjustment asks of its observations: their cost, gradient and Gauss-Newton matrix, vehicle states
-/// solved.
+/// Observations as an adjustment uses them: their cost, gradient and Gauss-Newton matrix, with solved vehicle
+/// states.
 class SystemSum {
  public:
   virtual ~SystemSum() = default;
@@ -25,8 +25,8 @@ class SystemSum {
   /// Makes the states of the last `solve_states` those to begin from.
   virtual void commit() {}
 
-  /// Of sites few of whose parameters share an observation it is asked for by its parts, each of whole
-  /// parameter blocks: their columns, ascending; their costs at the last `solve_states`; their systems.
+  /// At sites where few parameters share an observation, it is used by its parts, each of whole parameter
+  /// blocks: their columns, ascending; their costs at the last `solve_states`; their systems.
   [[nodiscard]] virtual const std::vector<int>& columns_of(std::size_t part) const = 0;
   [[nodiscard]] virtual const std::vector<double>& costs() const = 0;
   [[nodiscard]] virtual std::vector<SystemPart> reduce_each(const SharedState& state,

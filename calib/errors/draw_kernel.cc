@@ -13,7 +13,7 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr int kMostCoordinates = 8;  ///< of a state
+constexpr int kMostCoordinates = 8;  ///< largest number of unknowns of a state
 
 using F32 = hn::CappedTag<float, kDrawsAbreast>;
 using F64 = hn::CappedTag<double, kDrawsAbreast / 2>;
@@ -83,7 +83,7 @@ void subtract_states_of(const StateTaps& J, const StateChains& chains, std::vect
   spread(J, x.data(), e);
 }
 
-/// Rows that share a pass over the shared unknowns: as many as leave eight sums in registers.
+/// Rows that share a pass over the shared unknowns: the number that keeps eight sums in registers.
 constexpr std::size_t kVectors = kDrawsAbreast / hn::MaxLanes(F32());
 constexpr std::size_t kRowsAbreast = kVectors < 8 ? 8 / kVectors : 1;
 using Float = hn::Vec<F32>;

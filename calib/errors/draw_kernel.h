@@ -8,8 +8,8 @@
 
 namespace octant::calib {
 
-/// Simulated values of one observation, each of another draw. Single precision: what is simulated is known to
-/// a tenth, and twice as many draws go through the machine at once.
+/// Simulated values of one observation, one for each draw. Single precision is sufficient, because the result
+/// is accurate to a tenth only, and twice as many draws are computed at a time.
 inline constexpr std::size_t kDrawsAbreast = 16;
 struct alignas(64) DrawLine {
   float of[kDrawsAbreast] = {};
@@ -25,7 +25,7 @@ struct StateTaps {
     std::uint32_t state = 0;  ///< coordinate
     float by = 0.0F;
   };
-  std::vector<std::uint32_t> first;  ///< of each row, and the end
+  std::vector<std::uint32_t> first;  ///< begin of each row, and the end
   std::vector<Tap> taps;
 };
 
@@ -34,11 +34,11 @@ struct StateChains {
   struct Link {
     std::uint32_t first = 0;  ///< coordinate
     int size = 0;
-    int next_size = 0;        ///< of the state behind it; 0: the chain's last
+    int next_size = 0;        ///< size of the next state; 0: the last one of the chain
     std::size_t inverse = 0;  ///< in blocks: A^-1, size x size by columns
     std::size_t onward = 0;   ///< in blocks: A^-1 U, size x next_size by columns
   };
-  std::vector<Link> links;  ///< of one chain after the other, front to back
+  std::vector<Link> links;  ///< links of one chain after the other, front to back
   std::vector<double> blocks;
   std::uint32_t coordinates = 0;
 };

@@ -134,7 +134,7 @@ class ComponentList {
     return std::ranges::any_of(
         rows_, [this](const ErrorSample::Row* row) { return row->receiver != rows_.front()->receiver; });
   }
-  /// Median time between neighbours of a pair; 0 where there are none.
+  /// Median time between neighbours of a pair; 0 without neighbours.
   [[nodiscard]] double usual_step_s() const {
     const auto pair = [](const ErrorSample::Row* row) {
       return std::tuple(row->run, row->beacon, row->receiver);

@@ -15,13 +15,13 @@
 
 namespace octant::calib {
 
-/// Observations of a kind below which nothing is told of its errors.
+/// Number of observations of a kind below which its errors are not estimated.
 inline constexpr std::size_t kFewestObservations = 30;
 
 /// White noise of one kind of observation is the component whose cells are the observations.
 struct ErrorComponent {
   ErrorPart part;                       ///< not of white noise
-  std::vector<std::size_t> partitions;  ///< in the sums of its kind; none: white
+  std::vector<std::size_t> partitions;  ///< index in the sums of its kind; no value: white
   bool bearings = false;
   [[nodiscard]] bool is_white() const { return partitions.empty(); }
 };
@@ -42,12 +42,13 @@ class ErrorComponents {
     return sums_[bearings].rows();
   }
   [[nodiscard]] std::size_t count(bool bearings) const { return rows_of(bearings).size(); }
-  /// Number of cells of a partition of the component; a white one has as many as observations.
+  /// Number of cells of a partition of the component; a white one has one for each observation.
   [[nodiscard]] std::size_t cells_of(Eigen::Index m) const;
   /// Leaves out all but these. @param kept  ascending
   void keep(const std::vector<Eigen::Index>& kept);
 
-  /// Adds normal errors of one component, sixteen draws. @param draw  tells the partition
+  /// Adds normal errors of one component, sixteen draws.
+  /// @param draw  selects the partition
   void add_normal(Eigen::Index m, double sigma, std::size_t draw, DrawBits& random,
                   std::vector<DrawLine>& errors) const;
   /// Plus or minus one in each cell of a component (Hutchinson's draws), in one of sixteen columns.
@@ -60,11 +61,11 @@ class ErrorComponents {
   [[nodiscard]] Eigen::MatrixXd squares_of_influence(Eigen::Index m, const ErrorDraws& draws) const;
 
  private:
-  /// Calls put(row, value) for each row of a component: its rows in one cell have one of next() together.
+  /// Calls put(row, value) for each row of a component: rows in one cell share one result of next().
   template <class Next, class Put>
   void draw_cells(const ErrorComponent& c, std::size_t draw, Next&& next, Put&& put) const;
 
-  std::array<CellSums, 2> sums_;  ///< of arrivals, of bearings
+  std::array<CellSums, 2> sums_;  ///< sums of arrivals, of bearings
   std::vector<ErrorComponent> all_;
   Eigen::Index whites_ = 0;
 };

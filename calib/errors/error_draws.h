@@ -45,7 +45,7 @@ class CellSums {
   }
   [[nodiscard]] std::int32_t count(std::size_t partition) const { return partitions_[partition].count; }
 
-  /// What one thread needs for it.
+  /// Scratch memory of one thread.
   struct Scratch {
     std::vector<DrawLine> values;
     std::vector<std::vector<DrawLine>> sums;
@@ -56,7 +56,7 @@ class CellSums {
 
  private:
   struct Partition {
-    std::vector<std::int32_t> cell;  ///< of each observation
+    std::vector<std::int32_t> cell;  ///< cell of each observation
     std::int32_t count = 0;
     int finer = -1;                      ///< the partition whose cells it joins, if any
     std::vector<std::int32_t> of_finer;  ///< cell of each of its cells
@@ -77,10 +77,10 @@ class ErrorDraws {
     std::vector<DrawLine> shared;
     std::vector<StateLine> states;
   };
-  /// Residuals that errors leave when parameters and states have been adjusted to them, M e.
-  /// @param of_priors  of each shared direction: what the errors of priors add to F'e; empty: none
+  /// Residuals of simulated errors after the adjustment of parameters and states, M e.
+  /// @param of_priors  for each shared direction, the contribution of errors of priors to F'e; may be empty
   void adjust(std::vector<DrawLine>& errors, const std::vector<DrawLine>& of_priors, Scratch& scratch) const;
-  /// Errors of priors as stated.
+  /// Simulated errors of priors, as stated.
   [[nodiscard]] std::vector<DrawLine> of_priors(std::uint64_t stream) const;
   /// F T.  @param T  rank x at most sixteen
   void influence_times(const Eigen::MatrixXd& T, std::vector<DrawLine>& product) const;

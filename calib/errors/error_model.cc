@@ -19,7 +19,7 @@
 namespace octant::calib {
 namespace {
 
-constexpr std::size_t kTestedRows = 3'000;  ///< of a long log of stops, to see whether it is white at all
+constexpr std::size_t kTestedRows = 3'000;  ///< sample of a long log of stops for the test of whiteness
 constexpr std::size_t kMostRows = 40'000;
 /// Chance, all sums together, down to which residuals pass as white, and from which on they are not. Real
 /// errors hardly ever are white, and a short log shows it weakly: passed over, its sigmas would be several
@@ -27,14 +27,15 @@ constexpr std::size_t kMostRows = 40'000;
 /// covariance goes from the one to the other.
 constexpr double kPassAsWhite = 1e-2, kFailAsWhite = 1e-4;
 constexpr std::size_t kTestPanels = 3;   ///< sixteen draws each, of white noise in the test
-constexpr std::size_t kModelPanels = 6;  ///< of the fitted errors
-constexpr double kRidge = 0.05;          ///< of the correlation of the sums, which some hundred draws tell
-constexpr double kLeastShare = 0.02;     ///< share of a component that residuals must show
+constexpr std::size_t kModelPanels = 6;  ///< draws of the fitted errors
+constexpr double kRidge =
+    0.05;  ///< regularisation of the correlation of the sums, estimated from some hundred draws
+constexpr double kLeastShare = 0.02;  ///< share of a component that residuals must show
 constexpr double kFewestFreedoms = 3.0;
 
 using Lines = std::vector<DrawLine>;
 
-/// What simulated errors leave, of each draw: sums of squares of all components, rows; squares of all
+/// Result of simulated errors for each draw: sums of squares of all components, rows; squares of all
 /// residuals.
 struct DrawnSums {
   Eigen::MatrixXd sums;
@@ -46,8 +47,7 @@ class Estimator {
   Estimator(const ErrorSample& sample, int threads)
       : sample_(sample), draws_(sample), components_(sample), threads_(threads) {}
 
-  /// How much of what is beyond white noise is to be believed: 0 where residuals pass as white, 1 where they
-  /// do not.
+  /// Weight of the errors beyond white noise: 0 if residuals pass as white, 1 if they do not.
   [[nodiscard]] double weight() {
     const Eigen::Index tests = components_.size() - components_.whites();
     if (tests == 0) return 0.0;
@@ -64,7 +64,7 @@ class Estimator {
   /// Variances of the components, white noise first; after weight().
   void fit() {
     expect();
-    // What priors, poses and odometry leave in the residuals is taken at its word.
+    // The contribution of priors, poses and odometry to the residuals is used as stated.
     const Eigen::VectorXd word =
         simulated(kTestPanels,
                   [&](std::size_t panel, Lines& errors) { return white_noise(panel, errors, false); })
@@ -90,7 +90,7 @@ class Estimator {
     });
   }
 
-  /// @param weight  of it, against white noise as it was taken for
+  /// @param weight  of it, compared with the assumed white noise
   [[nodiscard]] ErrorModel model(double weight) const {
     ErrorModel out;
     out.correlated = true;
@@ -123,7 +123,8 @@ class Estimator {
     return found[m] > level * mean ? chi_square_p(nu * found[m] / (level * mean), nu) : 1.0;
   }
 
-  /// Of errors that are all as stated. @param all  or of priors, poses and odometry alone: the same ones
+  /// Draws of errors that are all as stated.
+  /// @param all  or only of priors, poses and odometry: the same draws
   Lines white_noise(std::size_t panel, Lines& errors, bool all) const {
     DrawBits random(1000 + panel);
     for (DrawLine& line : errors) random.normal(line);
@@ -133,7 +134,7 @@ class Estimator {
     return draws_.of_priors(2000 + panel);
   }
 
-  /// Of the variances found, all else as stated.
+  /// Draws with the estimated variances, all others as stated.
   Lines fitted_errors(std::size_t panel, Lines& errors) const {
     DrawBits random(3000 + panel);
     for (std::size_t i = 0; i < errors.size(); ++i)
@@ -144,7 +145,7 @@ class Estimator {
     return draws_.of_priors(4000 + panel);
   }
 
-  /// What a thread works with, panel after panel.
+  /// Scratch memory of a thread, panel after panel.
   struct Scratch {
     Lines lines;
     ErrorDraws::Scratch adjusting;
@@ -160,7 +161,7 @@ class Estimator {
     });
   }
 
-  /// Residuals of simulated errors, panel by panel, each of which a processor's cache holds.
+  /// Residuals of simulated errors, panel by panel; a panel fits into the cache of a processor.
   /// @param fill  (panel, errors): errors of the observations, which are 0; returns those of priors
   template <class Fill>
   [[nodiscard]] DrawnSums simulated(std::size_t panels, Fill&& fill) const {
@@ -234,7 +235,7 @@ class Estimator {
     return W;
   }
 
-  /// What a unit of each component's variance adds to those of the parameters: |Z'F L'|^2.
+  /// Contribution of a unit of each component's variance to those of the parameters: |Z'F L'|^2.
   [[nodiscard]] Eigen::MatrixXd influence_on_parameters() const {
     constexpr auto kWidth = static_cast<Eigen::Index>(kDrawsAbreast);
     const Eigen::Index p = sample_.L.rows();

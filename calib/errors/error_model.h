@@ -16,20 +16,21 @@ namespace octant::calib {
 
 /// Errors as the residuals show them, where these are not white.
 struct ErrorModel {
-  bool correlated = false;  ///< white noise does not explain the residuals; else nothing below holds anything
-  double white_tof = 1.0;   ///< variance of the part that is white, in units of the adjustment's noise
+  bool correlated =
+      false;  ///< white noise does not explain the residuals; otherwise the other members are empty
+  double white_tof = 1.0;  ///< variance of the part that is white, in units of the adjustment's noise
   double white_bearing = 1.0;
-  std::vector<ErrorPart> parts;  ///< those with a variance
+  std::vector<ErrorPart> parts;  ///< components with a variance
   double freedoms =
-      INFINITY;  ///< median degrees of freedom behind the parameters' variances: how well the log tells them
+      INFINITY;  ///< median degrees of freedom of the parameters' variances, a measure of their accuracy
   Eigen::MatrixXd
-      covariance;  ///< of the shared parameters under these errors, internal units; empty where not formed
+      covariance;  ///< covariance of the shared parameters with these errors, internal units; may be empty
 
   /// Standard deviation of the part of a time of flight that keeps its value for a while, in units of the
   /// adjustment's noise.
   [[nodiscard]] double correlated_sigma() const { return sigma_of(false); }
-  /// How long it does [s]; places, directions and ranges last as long as a vehicle of that speed stays in a
-  /// cell.
+  /// Duration of the correlation [s]; for positions, directions and ranges the time for which a vehicle of
+  /// that speed stays in a cell.
   [[nodiscard]] double correlation_time_s(double speed_mps, double typical_range_m) const;
   /// Standard deviation of the part that a pair keeps for good, in units of the adjustment's noise.
   [[nodiscard]] double pair_sigma() const { return sigma_of(true); }

@@ -4,9 +4,9 @@
 
 namespace octant::calib {
 
-/// What errors have in common that share a part: one value for each cell of an axis.
+/// Axis of a common part of errors: one value for each cell.
 enum class ErrorAxis {
-  kTime,       ///< stretches of time [s]
+  kTime,       ///< intervals of time [s]
   kPlace,      ///< squares of the floor [m]
   kDirection,  ///< sectors of the direction to the beacon in the vehicle frame [rad]
   kAspect,     ///< sectors of the direction from the beacon, in the map [rad]
@@ -23,10 +23,10 @@ enum class ErrorGroup {
 
 /// A random part of the errors of arrivals (or bearings): one value for each group and cell.
 struct ErrorPart {
-  bool bearings = false;  ///< of bearings; else of times of flight
+  bool bearings = false;  ///< errors of bearings; otherwise of times of flight
   ErrorGroup group = ErrorGroup::kPair;
   ErrorAxis axis = ErrorAxis::kConstant;
-  double extent = 0.0;    ///< of a cell, unit of the axis
+  double extent = 0.0;    ///< size of a cell, in the unit of the axis
   double variance = 0.0;  ///< in units of the white noise of the adjustment
 };
 

@@ -16,7 +16,7 @@
 namespace octant::calib {
 namespace {
 
-constexpr std::size_t kStretches = 8;  ///< of a long log
+constexpr std::size_t kStretches = 8;  ///< number of segments of a long log
 /// A drive is cut where the sample is at most this part: cuts cost what states know of each other.
 constexpr double kShareOfLongDrive = 0.1;
 
@@ -79,7 +79,7 @@ class SampleBuilder {
   }
 
  private:
-  /// All segments of a trajectory, or stretches of them that lie evenly.
+  /// All segments of a trajectory, or an evenly spaced part of them.
   void add_segments(const Trajectory& t, double share, double observations) {
     const std::size_t segments = t.segments.size();
     if (share < kShareOfLongDrive && segments == 1 && is_long_chain(t.segments[0])) {
@@ -96,7 +96,8 @@ class SampleBuilder {
     for (std::size_t i = 0; i < kStretches; ++i) add_segments(t, i * pitch, i * pitch + length);
   }
 
-  /// Stretches of a long drive, each solved for itself: neighbours have a part in residuals within a chain.
+  /// Segments of a long drive, each solved separately, because within a chain neighbours affect the
+  /// residuals.
   void add_stretches(const Trajectory& t, double share) {
     const Segment& whole = t.segments[0];
     const double nodes = share * static_cast<double>(whole.last_node - whole.first_node) / kStretches;

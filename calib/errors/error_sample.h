@@ -17,29 +17,29 @@ namespace octant::calib {
 /// A row for each observation, many columns: a pass over the rows takes all columns of each together.
 using ByRow = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Observations in use as an error model sees them: residuals, influences, and where and when they were
-/// taken.
+/// Used observations as an error model needs them: residuals, influences, positions and times.
 struct ErrorSample {
   enum class Kind {
     kArrival,
     kBearing,
     kOther
-  };  ///< other: amplitudes, poses, odometry, motion; they are taken at their word
+  };  ///< other: amplitudes, poses, odometry, motion; used as stated
   struct Row {
     Kind kind = Kind::kArrival;
     std::size_t run = 0;
     int beacon = 0, receiver = 0;
     double time_s = 0.0;
-    Eigen::Vector3d p_map_m = Eigen::Vector3d::Zero();  ///< of the receiver; of bearings the vehicle's
-    double direction_rad = 0.0;                         ///< to the beacon, in the vehicle frame
-    double aspect_rad = 0.0;                            ///< from the beacon to the receiver, in the map
+    Eigen::Vector3d p_map_m =
+        Eigen::Vector3d::Zero();  ///< position of the receiver; for bearings of the vehicle
+    double direction_rad = 0.0;   ///< to the beacon, in the vehicle frame
+    double aspect_rad = 0.0;      ///< from the beacon to the receiver, in the map
     double range_m = 0.0;
   };
   std::vector<Row> rows;
   Eigen::VectorXd residual;  ///< whitened
   ByRow F;                   ///< rows x rank: d theta = -L f' e
   Eigen::MatrixXd L;         ///< root of the white covariance
-  double share = 1.0;        ///< of all arrivals and bearings that the sample holds
+  double share = 1.0;        ///< fraction of all arrivals and bearings in the sample
 
   Eigen::MatrixXd
       prior_root;  ///< K K' = I - F'F: covariance of what priors, tapes and all that is no row add to F'e
@@ -48,7 +48,7 @@ struct ErrorSample {
   StateChains chains;
 };
 
-/// @param most  arrivals; of longer logs of stops evenly spread stretches are taken
+/// @param most  arrivals; longer logs of stops are sampled evenly
 [[nodiscard]] ErrorSample error_sample(const ParameterLayout& layout,
                                        const std::vector<Trajectory>& trajectories, const SharedState& state,
                                        const Covariance& C, std::size_t most);

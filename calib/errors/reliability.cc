@@ -191,7 +191,7 @@ class Collector {
     return std::atan2(a.cross(path).norm(), a.dot(path));
   }
 
-  /// Arrivals used over those looked at.
+  /// Used arrivals over sampled ones.
   [[nodiscard]] double sampled_share() const {
     if (out_.stride == 1 || kinds_[kTof].observations == 0) return 1.0;
     std::size_t used = log_ == nullptr ? 0 : log_->used();

@@ -21,7 +21,7 @@ inline constexpr double kCriticalW = 3.29;
 /// Non-centrality at which a bias in one observation is found at that significance with a power of 80 %: 3.29
 /// + 0.84.
 inline constexpr double kDelta0 = 4.13;
-/// Observations with a smaller redundancy number are not controlled by the others: nothing would show their
+/// Observations with a smaller redundancy number are not controlled by the others, which would not show their
 /// bias.
 inline constexpr double kUncontrolled = 1e-6;
 /// Factors of 95 % regions: sqrt of chi-square quantiles of 2 and 3 degrees of freedom.
@@ -75,15 +75,15 @@ struct BeaconReliability {
   /// takes it up: then it is the delay's prior that notices), and the largest shift of a beacon coordinate by
   /// it. None: nothing would notice.
   std::optional<double> lateness_mdb_s, lateness_influence_m;
-  std::optional<ErrorEllipse> ellipse;  ///< none for control points and undetermined beacons
+  std::optional<ErrorEllipse> ellipse;  ///< no value for control points and undetermined beacons
 };
 
 /// What a surveyor expects of an adjustment, beside the variance factor. Sigmas are the noise as found
 /// (Solution::tof_sigma_s); variance components are told against the noise that the site file states.
 struct Reliability {
   bool ok = false;  ///< false: there is no covariance to judge by
-  /// Of a long log only one epoch in so many was looked at for what concerns single arrivals (redundancy
-  /// numbers, w, minimal detectable biases, residual groups, variance components); 1: all were.
+  /// Sampling interval of epochs in a long log for statistics of single arrivals (redundancy numbers, w,
+  /// minimal detectable biases, residual groups, variance components); 1: all epochs.
   std::size_t stride = 1;
   std::vector<ArrivalReliability> arrivals;
   std::vector<std::size_t> worst;   ///< indices into arrivals, largest |w| first, at most kWorst
@@ -116,7 +116,7 @@ inline constexpr std::size_t kAllEpochs = 6000;
                                          const std::vector<BeaconStatus>& beacon_status, double noise_factor,
                                          int threads = 1, std::size_t all_epochs = kAllEpochs,
                                          const LogTotals* log = nullptr);
-/// One in so many epochs is looked at.
+/// Sampling interval of epochs.
 [[nodiscard]] inline std::size_t sample_stride(std::size_t epochs, std::size_t all_epochs = kAllEpochs) {
   return epochs > all_epochs ? (epochs + all_epochs - 1) / all_epochs : 1;
 }

@@ -10,8 +10,8 @@ namespace octant::calib {
 
 /// Residuals of the used arrivals of one group.
 struct ResidualGroup {
-  std::string name;             ///< of beacon or receiver; empty for a bin
-  double from = 0.0, to = 0.0;  ///< of a bin: metres, radians, degrees Celsius or seconds
+  std::string name;             ///< name of beacon or receiver; empty for a bin
+  double from = 0.0, to = 0.0;  ///< ends of a bin: metres, radians, degrees Celsius or seconds
   std::size_t count = 0;
   double mean_s = 0.0, rms_s = 0.0;
   double mean_m = 0.0, rms_m = 0.0;

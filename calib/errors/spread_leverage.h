@@ -10,7 +10,7 @@
 
 namespace octant::calib {
 
-/// What reliability needs of an observation's row: its residual in sigmas, its leverage (one less the
+/// Data of an observation's row for the reliability: its residual in sigmas, its leverage (one minus the
 /// redundancy number), the largest shift of a beacon coordinate by it.
 struct SweptRow {
   RowKind kind;
@@ -19,18 +19,18 @@ struct SweptRow {
 };
 [[nodiscard]] SweptRow swept_row(const RowLeverage& row);
 
-/// Whether a trajectory is one long chain, which is swept in stretches.
+/// Returns true if a trajectory is one long chain, which is processed in segments.
 [[nodiscard]] bool has_long_chain(const Trajectory& trajectory);
 
-/// Rows of every so many-th stop of a trajectory of stops, in their order. Stops hang together by the shared
-/// parameters alone: stretches of them are swept side by side.
+/// Rows of evenly spaced stops of a trajectory of stops, in their order. Stops are connected by the shared
+/// parameters only, so parts of them are processed in parallel.
 [[nodiscard]] std::vector<SweptRow> sweep_spread_stops(const LeverageSweep& sweep,
                                                        const Trajectory& trajectory, const SharedState& state,
                                                        std::size_t stride, int threads);
 
-/// Rows of evenly spread stretches of a long drive, one part in `every` of it, in their order: each stretch
-/// with margins that are swept but not returned, as beyond some hundred arrivals a state does not feel where
-/// the chain was cut.
+/// Rows of evenly spaced segments of a long drive, one part in `every` of it, in their order. Each segment
+/// has margins that are processed but not returned, because a state does not depend on the end of a segment
+/// some hundred arrivals away.
 [[nodiscard]] std::vector<SweptRow> sweep_spread_stretches(const LeverageSweep& sweep,
                                                            const Trajectory& trajectory,
                                                            const SharedState& state, std::size_t stride,

@@ -39,7 +39,7 @@ void ObservationCounts::add(const ObservationCounts& other) {
 
 namespace {
 
-/// A heading that is told worse than to a whole turn is told by nothing: it takes no redundancy.
+/// A heading with a sigma of more than a whole turn is not determined: it needs no redundancy.
 constexpr double kBlindRad = 2 * std::numbers::pi;
 
 /// A measured pose, angles and all.
@@ -48,8 +48,8 @@ bool is_complete(const Trajectory& t, const PoseObservation& p) {
          (t.motion == Motion::kPlanar || p.attitude_sigma_rad < kBlindRad);
 }
 
-/// Whether a state may have directions that nothing observes: it stands alone, hears with one receiver or
-/// little, and sees nothing.
+/// Returns true if a state may have unobservable directions: it is separate, has one receiver or few
+/// arrivals, and no bearings.
 bool may_be_blind(const Trajectory& t, const Segment& s) {
   if (s.last_node - s.first_node != 1 || t.motion_prior) return false;
   if (!t.has_cycle_offset && std::any_of(t.poses.begin() + static_cast<std::ptrdiff_t>(s.first_pose),

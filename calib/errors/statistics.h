@@ -10,8 +10,7 @@
 
 namespace octant::calib {
 
-/// Of measured poses, and their share of the redundancy: what all else leaves of them, with the shared
-/// parameters held.
+/// Measured poses and their share of the redundancy, with fixed shared parameters.
 struct PoseSquares {
   double squares = 0.0, redundancy = 0.0;
   void add(const PoseSquares& other) {
@@ -22,12 +21,12 @@ struct PoseSquares {
 /// Costs a sweep over the states: where the noise is looked for, and nowhere else.
 [[nodiscard]] PoseSquares squares_of_poses(const Trajectory& trajectory, const SharedState& state);
 
-/// What a sum of squares is held against: counts that may be added up over the parts of a log.
+/// Reference of a sum of squares: counts that can be added over the parts of a log.
 struct ObservationCounts {
   std::size_t used = 0, rejected = 0;  ///< arrivals
-  double observations = 0.0;           ///< of all kinds, in use
+  double observations = 0.0;           ///< used observations of all kinds
   std::size_t states = 0;              ///< unknowns of the vehicle's states, as far as anything observes them
-  double squares_s2 = 0.0;             ///< of the residuals of arrivals in use
+  double squares_s2 = 0.0;             ///< sum of squares of the residuals of used arrivals
   void add(const ObservationCounts& other);
 };
 /// @param residuals  false: squares_s2 stays zero, which saves the time
@@ -47,8 +46,8 @@ struct ObservationCounts {
 /// Two-sided p value of a sum of squares against chi-square with the given degrees of freedom.
 [[nodiscard]] double chi_square_p(double sum_of_squares, double degrees_of_freedom);
 
-/// What an adjustment leaves for NoiseSearch. A prior that is contradicted is no noise of the arrivals, so
-/// only what the recordings say counts.
+/// Result of an adjustment for NoiseSearch. A contradicted prior is not noise of the arrivals, so only
+/// recordings count.
 struct DataSquares {
   double cost = 0.0;  ///< half their sum, with the noise as it is now
   double redundancy = 0.0;
@@ -79,7 +78,7 @@ class NoiseSearch {
  private:
   [[nodiscard]] double step_of_arrivals(double data_cost, double redundancy);
 
-  double factor_ = 1.0;                    ///< of all steps so far
+  double factor_ = 1.0;                    ///< factor of all steps so far
   double before_ = 1.0;                    ///< factor_ a step ago
   std::optional<double> variance_before_;  ///< variance factor then
 };

@@ -8,14 +8,15 @@
 
 namespace octant::calib {
 
-/// Whether residuals are the white noise that formal sigmas assume, or errors that stay the same for a pair
-/// or a place (reflections, antennas), which do not average out however many arrivals there are.
+/// Test whether residuals are the white noise that formal sigmas assume, or errors that are constant for a
+/// pair or a position (reflections, antennas), which do not average out.
 struct Whiteness {
   std::size_t pairs = 0;  ///< beacon-receiver pairs with enough arrivals
   double pair_ratio =
       1.0;  ///< mean of n m^2 / s^2 over the pairs, m the pair's mean residual: 1 for white noise
-  double autocorrelation = 0.0;  ///< of residuals next to each other in time within a pair, pooled
-  std::size_t neighbours = 0;    ///< how many such neighbours
+  double autocorrelation =
+      0.0;                     ///< correlation of residuals that are neighbours in time within a pair, pooled
+  std::size_t neighbours = 0;  ///< number of such neighbours
   /// Factor by which formal sigmas of what is averaged over a drive are too small: sqrt((1 + rho) / (1 -
   /// rho)), at least 1.
   double sigma_factor = 1.0;
