@@ -16,10 +16,11 @@ namespace {
 
 constexpr double kFastestVehicleMps = 5.0;
 constexpr std::size_t kAtLeastBeacons = 3;
-constexpr double kMost = 0.7;       ///< of the pairs of beacon and receiver that span a jump
-constexpr double kAgreeing = 0.25;  ///< of the step, by which they may differ beside their motion
+constexpr double kMost = 0.7;  ///< fraction of the pairs of beacon and receiver that span a jump
+constexpr double kAgreeing =
+    0.25;  ///< fraction of the step by which they may differ, in addition to their motion
 constexpr std::size_t kSide = 8, kAtLeastSide = 5;  ///< stops before and after a step that are compared
-constexpr double kOnTheirSide = 0.8;                ///< of the stops
+constexpr double kOnTheirSide = 0.8;                ///< fraction of the stops
 constexpr double kStepSigmas = 8.0;
 constexpr std::size_t kOfMoment = 32, kBeaconsOfMoment = 4;  ///< arrivals of a drive
 
@@ -33,7 +34,7 @@ struct RangeStep {
   [[nodiscard]] bool beyond() const { return std::abs(range_m) > moved_m; }
 };
 
-/// Way along odometry up to a time; none: kFastestVehicleMps.
+/// Distance along odometry up to a time; without odometry: kFastestVehicleMps.
 class Travelled {
  public:
   Travelled(const MeasurementLog& run, VehicleId vehicle) {
@@ -94,8 +95,8 @@ std::vector<RangeStep> range_steps_of(const Site& site, const MeasurementLog& ru
   return changes;
 }
 
-/// Do most pairs of beacon and receiver jump by the same, and stay there, across the instant before time_s?
-/// @param by_m  about the jump; pairs between whose arrivals the vehicle can have moved as far say nothing
+/// Returns true if most pairs of beacon and receiver jump by the same amount before time_s, and stay there.
+/// @param by_m  approximate size; pairs between whose arrivals the vehicle may have moved as far are not used
 bool step_at(const std::vector<RangeStep>& changes, double time_s, double by_m, ClockStep& step) {
   std::set<BeaconId> beacons;
   std::vector<double> changed_m, moved_m;
@@ -157,8 +158,8 @@ struct OffsetDifference {
   double difference_s, sigma_s;
 };
 
-/// Difference of the medians after and before i, and its standard deviation from the scatter about them;
-/// none where there are too few stops or they do not keep to their sides.
+/// Difference of the medians after and before i, and its standard deviation from the scatter about them; no
+/// value for too few stops, or if they do not stay on their sides.
 std::optional<OffsetDifference> difference_at(const std::vector<ClockOffset>& o, std::size_t i,
                                               double usual_scatter_s) {
   const std::size_t first = i > kSide ? i - kSide : 0, last = std::min(o.size(), i + kSide);
@@ -232,8 +233,8 @@ std::vector<std::pair<std::size_t, double>> steps_among(const std::vector<ClockO
   return steps;
 }
 
-/// What the arrivals of a drive are off by, in the order of time: one by one, and some dozens of a few
-/// beacons together.
+/// Residuals of the arrivals of a drive, in the order of time: single ones, and groups of some dozens of a
+/// few beacons.
 struct Misfits {
   std::vector<ClockOffset> arrivals, moments;
   std::vector<std::size_t> first;  ///< arrival of each moment, and one past the last's

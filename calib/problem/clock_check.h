@@ -17,10 +17,10 @@ namespace octant::calib {
 /// between stops far apart in time are beyond it.
 [[nodiscard]] std::vector<ClockStep> steps_in_ranges(const Site& site, const MeasurementLog& run);
 
-/// Whether they show one in any of the runs.
+/// Returns true if there is a jump in any of the runs.
 [[nodiscard]] bool ranges_show_a_jump(const Site& site, const std::vector<MeasurementLog>& runs);
 
-/// Where the fit of a stop is rough (echoes), steps below a tenth of a metre of sound's way say nothing.
+/// If the fit of a stop is rough (echoes), steps below a tenth of a metre are not significant.
 inline constexpr double kSmallestStepM = 0.1;
 
 /// Jumps that the beacons' geometry shows: each stop is solved with a clock offset of its own (four beacons
@@ -31,10 +31,11 @@ inline constexpr double kSmallestStepM = 0.1;
                                                          std::size_t run, const SharedState& state,
                                                          double smallest_m = kSmallestStepM);
 
-/// Jumps along drives: what the ranges of a moment are off by together, of a few dozen arrivals of four
+/// Jumps along drives: the common residual of the ranges of a moment, from a few dozen arrivals of four
 /// beacons or more, is compared before and after, moment by moment.
-/// @param trajectories  with states that odometry and all ranges make together: under ranges that weigh
-/// little a clock that is off hardly moves them  @param smallest_m  of sound's way
+/// @param trajectories  with states from odometry and all ranges together: ranges with little weight hardly
+/// move them with the clock
+/// @param smallest_m  smallest jump, as a distance
 [[nodiscard]] std::vector<ClockStep> steps_along_drives(const std::vector<Trajectory>& trajectories,
                                                         const SharedState& state, double smallest_m);
 

@@ -11,7 +11,7 @@
 namespace octant::calib {
 namespace {
 
-constexpr std::size_t kNamed = 8;  ///< epochs named before "and so many more"
+constexpr std::size_t kNamed = 8;  ///< epochs listed before "and N more"
 
 bool has_stops(const Trajectory& t) { return !t.moving && t.motion == Motion::kPlanar; }
 

@@ -15,13 +15,13 @@ namespace octant::calib {
 [[nodiscard]] std::vector<std::vector<double>> epoch_headings_rad(
     const std::vector<Trajectory>& trajectories);
 
-/// Whether a vehicle has a heading that arrivals tell: two receivers apart in the plane, or one off the
-/// origin of measured poses.
+/// Returns true if arrivals determine the heading of a vehicle: two receivers apart in the plane, or one off
+/// the origin of measured poses.
 /// @param measured  its runs have measured poses or odometry
 [[nodiscard]] bool has_heading(const Site& site, VehicleId vehicle, bool measured);
-/// Whether an epoch began facing the wrong way: by more than 90 degrees against what it was adjusted to.
+/// Returns true if the initial heading of an epoch differs by more than 90 degrees from the adjusted one.
 [[nodiscard]] bool is_flipped(const Node& node, double before_rad);
-/// So many epochs of a run in words; nothing for none.
+/// Number of epochs of a run in words; empty for zero.
 [[nodiscard]] std::vector<std::string> flips_in_words(const MeasurementLog& run,
                                                       const std::vector<std::int64_t>& epochs);
 

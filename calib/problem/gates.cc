@@ -79,7 +79,7 @@ class TriangleGate {
                                           sa * sa + sb * sb);
   }
   const SharedState& prior_;
-  std::vector<double> sigma_m_;  ///< of each beacon's place, worst coordinate; infinite: not known
+  std::vector<double> sigma_m_;  ///< largest sigma of a coordinate of each beacon; infinite: not known
   std::size_t placed_ = 0;
   double delay_sigma_s_ = 0.0, speed_sigma_mps_ = 0.0;
 };

@@ -16,7 +16,7 @@ namespace octant::calib {
 /// adjustment is used after all (reject_outliers).
 void apply_gates(const Site& site, std::vector<Trajectory>& trajectories, int threads = 1);
 
-/// Whether a rejection is a gate's, and so stands until the residual says otherwise.
+/// Returns true if a gate made the rejection, which stays until the residual shows otherwise.
 [[nodiscard]] constexpr bool is_gated(Rejection rejection) {
   return rejection == Rejection::kTriangle || rejection == Rejection::kOutOfRange ||
          rejection == Rejection::kReflection;

@@ -101,8 +101,8 @@ class Examiner {
     return l;
   }
 
-  /// Pauses between epochs, or between distinct times where there are none. Of several vehicles, whose rows
-  /// may stand among each other's, each has its own epochs: what is usual is from one to its next.
+  /// Pauses between epochs, or between distinct times without epochs. With several vehicles, whose rows may
+  /// be mixed, the usual interval is that of each vehicle's own epochs.
   void order_and_gaps() {
     std::vector<double> spacing;
     std::vector<Gap> between;

@@ -29,7 +29,7 @@ struct RejectionCounts : std::array<std::size_t, kRejections> {
   [[nodiscard]] std::size_t all() const { return std::accumulate(begin(), end(), std::size_t{0}); }
 };
 
-/// Of each beacon, or of each receiver.
+/// Numbers of each beacon, or of each receiver.
 /// @param owner  of an arrival, an index below `owners`
 template <class Owner>
 [[nodiscard]] std::vector<RejectionCounts> count_rejections(const std::vector<Trajectory>& trajectories,
@@ -45,8 +45,7 @@ template <class Owner>
                           [](const ArrivalObservation& a) { return a.beacon.index(); });
 }
 
-/// What is told of all epochs of a log of which only every so many-th is at hand as a trajectory, because the
-/// whole would not fit into memory.
+/// Totals of all epochs of a log of which only a sample is in memory as a trajectory.
 struct LogTotals {
   std::size_t stride = 1;
   std::size_t epochs = 0;

@@ -24,12 +24,11 @@ struct Parameter {
   double lower = -INFINITY, upper = INFINITY;  ///< bounds, internal unit
 };
 
-/// What is known of some parameters together, internal units: root (x - mean) has the covariance of unit
-/// noise.
+/// Joint prior of some parameters, in internal units: root (x - mean) has the covariance of unit noise.
 struct JointPrior {
   std::vector<int> columns;  ///< ascending; their own Parameter::prior_sigma is infinite
   Eigen::VectorXd mean;
-  Eigen::MatrixXd root;  ///< as many columns; R'R is the inverse of the covariance
+  Eigen::MatrixXd root;  ///< the same number of columns; R'R is the inverse of the covariance
 
   /// root (x - mean) at a vector of all parameters.
   [[nodiscard]] Eigen::VectorXd residual(const Eigen::VectorXd& x) const;
@@ -44,20 +43,20 @@ struct ParameterBlock {
   int size = 0;
 };
 
-/// So few parameters that one dense system of all of them is the cheapest.
+/// Number of parameters up to which one dense system is the fastest.
 inline constexpr int kDenseLimit = 600;
 
-/// Which shared numbers are free, and at which column of the unknown vector each stands (-1: held fixed).
+/// Free shared numbers, and their columns in the vector of unknowns (-1: fixed).
 struct ParameterLayout {
   std::vector<Parameter> parameters;
   std::vector<ParameterBlock> blocks;
   std::vector<std::array<int, 3>> beacon, receiver;  ///< columns of their positions
-  std::vector<int> speed;  ///< of the offsets: none, one for all, or one for each run
+  std::vector<int> speed;  ///< columns of the offsets: none, one for all, or one for each run
   std::vector<VehicleId> vehicle_of_receiver;
   double nominal_speed_mps = 343.0;       ///< turns delays into metres
-  int dense_limit = kDenseLimit;          ///< up to so many parameters all matrices are dense
-  SharedState fixed;                      ///< values of what is held fixed
-  std::optional<JointPrior> joint_prior;  ///< beside those that parameters have each for itself
+  int dense_limit = kDenseLimit;          ///< largest number of parameters with dense matrices
+  SharedState fixed;                      ///< values of the fixed numbers
+  std::optional<JointPrior> joint_prior;  ///< in addition to the priors of single parameters
 
   [[nodiscard]] int size() const { return static_cast<int>(parameters.size()); }
   [[nodiscard]] const Parameter& parameter(Eigen::Index column) const {
@@ -66,29 +65,29 @@ struct ParameterLayout {
   [[nodiscard]] Parameter& parameter(Eigen::Index column) {
     return parameters[static_cast<std::size_t>(column)];
   }
-  [[nodiscard]] Eigen::VectorXd si_per_unit() const;  ///< of all parameters
+  [[nodiscard]] Eigen::VectorXd si_per_unit() const;  ///< units of all parameters
   /// Columns of all free coordinates of beacons.
   [[nodiscard]] std::vector<int> beacon_columns() const;
-  /// Columns of a beacon's place and delay; -1: held fixed.
+  /// Columns of a beacon's position and delay; -1: fixed.
   [[nodiscard]] std::array<int, 4> columns_of_beacon(std::size_t b) const {
     return {beacon[b][0], beacon[b][1], beacon[b][2], column_of(parameters::beacon_delay(b))};
   }
-  /// Puts a beacon somewhere, as far as its coordinates are free.
+  /// Sets the position of a beacon, as far as its coordinates are free.
   void set_place(std::size_t beacon, const Eigen::Vector3d& p_map_m, Eigen::VectorXd& x) const;
-  /// -1: held fixed. Where the speed has one offset, it is that of every run; of several, the first stands
-  /// for all runs together.
+  /// -1: fixed. A single offset of the speed is that of every run; of several, the first one represents all
+  /// runs.
   [[nodiscard]] int column_of(const ParameterId& id) const {
     if (id.kind == ParameterKind::kSpeed) return speed_column(id.owner > 0 ? id.owner - 1 : 0);
     return column_[id];
   }
-  /// Column of the speed offset that counts in a run; -1: none is free.
+  /// Column of the speed offset of a run; -1: not free.
   [[nodiscard]] int speed_column(std::size_t run) const {
     return speed.empty() ? -1 : speed[speed.size() > 1 ? run : 0];
   }
   [[nodiscard]] SharedState state_of(const Eigen::VectorXd& x) const;
   [[nodiscard]] Eigen::VectorXd vector_of(const SharedState& state) const;
   [[nodiscard]] std::size_t vehicles() const { return vehicles_; }
-  /// Whether the vehicle's receivers are adjusted as a whole.
+  /// Returns true if the vehicle's receivers are adjusted as a rigid array.
   [[nodiscard]] bool has_array(VehicleId vehicle) const {
     return column_of(parameters::array_radius(vehicle.index())) >= 0 ||
            column_of(parameters::array_turn(vehicle.index())) >= 0;

@@ -17,7 +17,7 @@
 namespace octant::calib {
 namespace {
 
-/// Largest distance that the site file speaks of, sigmas of its places too; 0 where it speaks of none.
+/// Largest distance in the site file, including sigmas of its positions; 0 without any.
 double site_extent_m(const Site& site, const MeasurementLog& run) {
   double extent = stated_extent_m(site, run.poses);
   if (!(extent > 0)) return 0.0;  // one point is no site
@@ -51,7 +51,7 @@ Result<void> check_unit(const Site& site, const MeasurementLog& run) {
            "check whether the log is in milliseconds or microseconds, or whether medium.speed_mps is right"});
 }
 
-/// What may be left out of a site file without arrivals may not with them.
+/// Checks the keys that may be left out only without arrivals.
 Result<void> check_complete(const Site& site, const MeasurementLog& run) {
   if (run.arrivals.empty()) return {};
   const char* missing = !site.medium_given      ? "medium"
@@ -65,20 +65,20 @@ Result<void> check_complete(const Site& site, const MeasurementLog& run) {
                .advice = "state it: times of flight mean nothing without"});
 }
 
-/// A measured heading that is told worse says nothing.
+/// Sigma of a measured heading above which it is not used.
 constexpr double kMeaninglessRad = 1.0;
-/// A lever arm below this share of what a fix has to reach may be held.
+/// Fraction of the tolerance of a fix below which a lever arm may be fixed.
 constexpr double kShareOfTolerance = 0.2;
 constexpr double kUsualTolerance = 0.05;
 
-/// Whether a vehicle's places were measured in a recording.
+/// Returns true if the positions of a vehicle were measured in a recording.
 bool has_poses(const std::vector<Trajectory>& trajectories, VehicleId vehicle) {
   return std::ranges::any_of(trajectories,
                              [&](const Trajectory& t) { return t.vehicle == vehicle && !t.poses.empty(); });
 }
 
-/// Whether nothing at all tells the headings of a vehicle: one place of its receivers, on the origin where
-/// that was measured, no bearings, no odometry, no measured headings.
+/// Returns true if no observation determines the headings of a vehicle: a single position of its receivers,
+/// at the origin where poses were measured, no bearings, no odometry, no measured headings.
 bool is_headless(const Site& site, const std::vector<Trajectory>& trajectories, VehicleId vehicle) {
   if (site.motion != Motion::kPlanar || has_heading(site, vehicle, has_poses(trajectories, vehicle)))
     return false;

@@ -13,17 +13,16 @@
 
 namespace octant::calib {
 
-/// What is to be adjusted: the site's prior knowledge and the recordings, turned into trajectories of vehicle
-/// states with their observations. A plain value; nobody downstream changes it.
+/// Input of an adjustment: the priors of the site, and the recordings as trajectories of vehicle states with
+/// their observations. A plain value, which later steps do not change.
 struct Problem {
   Site site;
   std::vector<MeasurementLog> runs;
   std::vector<Trajectory> trajectories;  ///< one for each run and vehicle that has arrivals or bearings
   std::vector<std::string> warnings;
-  std::vector<Contradiction> contradictions;  ///< that show before any adjustment
+  std::vector<Contradiction> contradictions;  ///< contradictions visible before an adjustment
   double typical_range_m = 1.0;               ///< median range of the arrivals by the site's priors
-  /// By how much the receivers of each vehicle may be off where they are held all the same (0: they are
-  /// not).
+  /// Standard deviations of the receivers of each vehicle that are fixed nevertheless (0: they are not).
   std::vector<double> held_lever_sigma_m;
 };
 
@@ -35,14 +34,14 @@ struct Problem {
   return problem.site.tolerance.beacon_m.value_or(0.05 * problem.typical_range_m);
 }
 
-/// The problem as an adjustment sees it whose trajectories are elsewhere: without observations, with as many
-/// runs (each may have its own offset of the speed), which are empty.
+/// The problem for an adjustment whose trajectories are elsewhere: without observations, with the same number
+/// of runs (each may have its own offset of the speed), which are empty.
 [[nodiscard]] Problem without_recordings(const Problem& problem);
 
-/// What the trajectories of a site need to know of it.
+/// Data of a site that its trajectories need.
 [[nodiscard]] TrajectoryModel trajectory_model(const Site& site);
 
-/// Measured poses of a vehicle whose receivers are held are off by the sigma of these as well.
+/// Widens the measured poses of a vehicle with fixed receivers by the sigma of these.
 void widen_poses(const Problem& problem, Trajectory& trajectory);
 
 /// Arrivals of a recording that no state carries, in words. @param line  of the first

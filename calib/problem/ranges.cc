@@ -45,10 +45,10 @@ std::vector<RangeFrom> ranges_to(const std::vector<Trajectory>& trajectories, co
 
 namespace {
 
-/// A measured heading beyond this says nothing of a direction.
+/// Sigma of a measured heading above which it does not determine a direction.
 constexpr double kVagueHeadingRad = 0.5;
 
-/// Whether anything but the bearings of one beacon tells the heading of a planar state.
+/// Returns true if more than the bearings of one beacon determine the heading of a planar state.
 bool heading_is_observable(const Trajectory& t, const Segment& segment, std::size_t node, BeaconId but,
                            const std::vector<bool>& known) {
   if (!t.odometry.empty() || t.motion_prior) return true;

@@ -17,7 +17,7 @@
 
 namespace octant::calib {
 
-/// Temperature that was measured at an arrival: its own, else the run's, else none.
+/// Measured temperature of an arrival: its own, otherwise that of the run; may be missing.
 [[nodiscard]] inline std::optional<double> measured_temperature_degC(const Arrival& arrival,
                                                                      const MeasurementLog& run) {
   return std::isfinite(arrival.temperature_degC) ? arrival.temperature_degC : run.temperature_degC;
@@ -28,13 +28,14 @@ namespace octant::calib {
   return measured_temperature_degC(arrival, run).value_or(site.medium.temperature_degC);
 }
 
-/// Range of an arrival by the speed and delays of a state, the walk by the attenuation's prior taken out [m].
+/// Range of an arrival with the speed and delays of a state, without the time-walk of the attenuation's prior
+/// [m].
 [[nodiscard]] double prior_range_m(const Trajectory& trajectory, const ArrivalObservation& arrival,
                                    const SharedState& state);
 
-/// Calls visit(trajectory, arrival) for evenly spread arrivals of all: of a long log they tell a median or a
-/// scale as well as all do.
-/// @param enough  of them, or up to twice as many
+/// Calls visit(trajectory, arrival) for an even sample of all arrivals, which determines a median or a scale
+/// as well as all of them.
+/// @param enough  size of the sample, or up to twice as many
 template <class Visit>
 void for_each_spread_arrival(const std::vector<Trajectory>& trajectories, std::size_t enough, Visit&& visit) {
   std::size_t arrivals = 0;
@@ -44,7 +45,7 @@ void for_each_spread_arrival(const std::vector<Trajectory>& trajectories, std::s
     for (std::size_t i = 0; i < t.arrivals.size(); i += stride) visit(t, t.arrivals[i]);
 }
 
-/// Evenly spread observations, so many at most.
+/// Even sample of observations, at most the given number.
 template <class Observation>
 std::vector<Observation> some_of(std::vector<Observation> all, std::size_t enough) {
   if (all.size() <= enough) return all;
@@ -57,10 +58,9 @@ std::vector<Observation> some_of(std::vector<Observation> all, std::size_t enoug
 [[nodiscard]] std::vector<RangeFrom> ranges_to(const std::vector<Trajectory>& trajectories,
                                                const SharedState& state, BeaconId beacon);
 
-/// Rays to a beacon by its bearings, from planar vehicle states placed so far whose heading something else
-/// tells: a measured pose, odometry, a bearing of another beacon that is known, or two receivers. Rejected
-/// bearings are included.
-/// @param known  beacons whose places are known, which tell headings
+/// Rays to a beacon from its bearings, at placed planar states whose heading has another source: a measured
+/// pose, odometry, a bearing of another known beacon, or two receivers. Rejected bearings are included.
+/// @param known  beacons with known positions, which determine headings
 [[nodiscard]] std::vector<RayFrom> rays_to(const std::vector<Trajectory>& trajectories, BeaconId beacon,
                                            const std::vector<bool>& known);
 

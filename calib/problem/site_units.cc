@@ -14,7 +14,8 @@ namespace octant::calib {
 namespace {
 
 constexpr double kOtherOrder = 8.0;  ///< ratio beyond which two coordinates of a site are of different orders
-constexpr double kSigmaOfExtent = 0.05;  ///< sigmas beyond this share of the site are taken to be in its unit
+constexpr double kSigmaOfExtent =
+    0.05;  ///< sigmas above this fraction of the site are assumed to be in its unit
 
 bool is_placed(const SiteBeacon& b) { return b.position_m[0] && b.position_m[1]; }
 

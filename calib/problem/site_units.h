@@ -14,34 +14,35 @@
 
 namespace octant::calib {
 
-/// Box round all places that a site and a recording's poses state; empty where they state none.
+/// Box around all positions of a site and of a recording's poses; may be empty.
 [[nodiscard]] Eigen::AlignedBox3d box_of_places(const Site& site, const std::vector<TimedPose>& poses = {});
 
-/// Largest distance that they speak of: across that box, or taped; 0 where they speak of none.
+/// Largest distance: across that box, or taped; 0 without any.
 [[nodiscard]] double stated_extent_m(const Site& site, const std::vector<TimedPose>& poses);
 /// A unit of length that people write where metres are expected.
 struct LengthUnit {
   const char* name;   ///< "centimetres"
-  double metres = 1;  ///< of one of it
+  double metres = 1;  ///< metres of one unit
 };
 /// Centimetres, millimetres, feet, inches.
 [[nodiscard]] const std::vector<LengthUnit>& length_units();
 
-/// The unit in which a place seems to be stated that is found elsewhere: its distance from the origin is that
-/// many times too large in every direction, to a hundredth and three sigmas. None where no unit explains it.
+/// Unit in which a position seems to be stated that was estimated elsewhere: its distance from the origin is
+/// this factor too large in every direction, to a hundredth and three sigmas. No value if no unit explains
+/// it.
 [[nodiscard]] std::optional<LengthUnit> unit_of_place(const Eigen::Vector3d& stated,
                                                       const Eigen::Vector3d& found_m, double sigma_m);
 
-/// Beacons whose stated coordinates are of another order of magnitude than the others', as centimetres among
-/// metres are, and back among them when read in that unit; all false where there are none.
+/// Beacons whose stated coordinates have another order of magnitude than the others (centimetres among
+/// metres) and fit in that unit; may be all false.
 [[nodiscard]] std::vector<bool> beacons_in_unit(const Site& site, const LengthUnit& unit);
 
-/// What is scaled when a site is read in another unit.
+/// Positions that are scaled in the hypothesis of another unit.
 struct ScaledParts {
   std::vector<bool> beacons;  ///< by beacon
   bool receivers = false;
 };
-/// The site with these positions read in a unit. Sigmas are read in it too where they would be large beside
+/// The site with these positions in another unit. Sigmas are scaled too if they would be large compared with
 /// the site.
 [[nodiscard]] Site in_unit(const Site& site, const LengthUnit& unit, const ScaledParts& parts);
 

@@ -11,13 +11,14 @@
 namespace octant::calib {
 namespace {
 
-/// Odometry between stretches is summed up to steps of this size: long enough to save, short enough for a
-/// straight chord.
+/// Step to which odometry between segments is summed: long enough to save time, short enough for a straight
+/// chord.
 constexpr double kStepM = 0.5, kStepRad = 0.3;
-/// And to longer ones where a gap would be more than so many: over such a way odometry says little.
+/// Number of steps of a gap above which they become longer, because odometry over such a distance is
+/// inaccurate.
 constexpr double kMostSteps = 32;
 
-/// What is kept or left as a whole: an epoch, an instant or a stretch of a drive of one vehicle.
+/// Group that is kept or omitted as a whole: an epoch, a moment, or a segment of a drive of one vehicle.
 struct Group {
   std::vector<std::size_t> arrivals, bearings;  ///< indices into the log
   double first_s = INFINITY, last_s = -INFINITY;
@@ -179,8 +180,8 @@ struct GapSteps {
   bool are_long = false;  ///< so that their ways are not their chords
 };
 
-/// A gap of any length becomes about as many of them, so that a part of a log has no more states where the
-/// log is longer.
+/// Steps of a gap. A gap of any length has about the same number of them, so a sample has no more states for
+/// a longer log.
 GapSteps steps_of_gap(const VehicleRows& of, std::size_t row) {
   double all_m = 0.0, all_rad = 0.0;
   for (; row < of.rows.size() && !of.near[row]; ++row) {
@@ -192,7 +193,7 @@ GapSteps steps_of_gap(const VehicleRows& of, std::size_t row) {
   return steps;
 }
 
-/// Of one vehicle.
+/// Adds the subsampled odometry of one vehicle.
 void add_subsampled(const VehicleRows& of, std::vector<OdometryStep>& sample) {
   sample.push_back(*of.rows.front());
   Pose sum;

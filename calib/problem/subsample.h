@@ -12,22 +12,24 @@
 
 namespace octant::calib {
 
-/// How much of a recording a forecast looks at.
+/// Size of the sample of a recording for a forecast.
 struct SubsampleOptions {
-  std::size_t instants = 300;         ///< epochs or distinct times, evenly spread
-  std::size_t per_beacon = 40;        ///< arrivals that each beacon keeps, if it has as many
-  std::size_t per_pair = 16;          ///< arrivals of one beacon at one receiver within one epoch or stretch
-  std::size_t drive_arrivals = 6000;  ///< of all stretches of a drive together, about
-  std::size_t fewest_stretches = SIZE_MAX;  ///< of a drive, if that is less than drive_stretches() has it
+  std::size_t instants = 300;   ///< epochs or distinct times, evenly spread
+  std::size_t per_beacon = 40;  ///< number of arrivals kept for each beacon, if it has as many
+  std::size_t per_pair =
+      16;  ///< largest number of arrivals of one beacon at one receiver in an epoch or segment
+  std::size_t drive_arrivals = 6000;  ///< approximate number of arrivals of all segments of a drive
+  std::size_t fewest_stretches =
+      SIZE_MAX;  ///< segments of a drive, if less than drive_stretches() determines
 };
 
-/// How a drive is cut: a stretch is kept or left as a whole.
+/// Segmentation of a drive: a segment is kept or omitted as a whole.
 struct DriveStretches {
   double length_s = 3.0;    ///< long against the time over which odometry ties states together
-  std::size_t fewest = 30;  ///< that are kept
+  std::size_t fewest = 30;  ///< smallest number of kept segments
 };
-/// Number of stretches that hold about SubsampleOptions::drive_arrivals arrivals together. @param arrivals,
-/// stretches  of the run
+/// Number of segments with about SubsampleOptions::drive_arrivals arrivals.
+/// @param arrivals, stretches  of the run
 [[nodiscard]] std::size_t stretches_kept(const Site& site, const SubsampleOptions& options,
                                          std::size_t arrivals, std::size_t stretches);
 /// Time from the request of a two-way range to its reply; 0 for one way.
@@ -37,14 +39,14 @@ struct DriveStretches {
 /// odometry over a long gap tells neither. So there are few of them.
 [[nodiscard]] DriveStretches drive_stretches(const Site& site);
 
-/// A smaller recording that tells the same: evenly spread epochs (or stretches of a drive, with their
-/// odometry row for row and the odometry between them summed up), and more of them where a beacon would have
-/// too little. Measured poses stay where arrivals do. A recording that is small already comes back as it is.
+/// A smaller recording with the same information: evenly spaced epochs (or segments of a drive, with their
+/// odometry row by row and summed odometry between them), and further ones for beacons with too few arrivals.
+/// Measured poses stay with the arrivals. A small recording is returned unchanged.
 [[nodiscard]] MeasurementLog subsample(const MeasurementLog& run, const Site& site,
                                        const SubsampleOptions& options = {});
 
-/// Odometry of all vehicles, by time: rows of the spans of time as they are, what lies between summed up to
-/// longer steps, of which a gap has some tens at most, however long it is.
+/// Odometry of all vehicles, by time: the rows within the spans, and the gaps between them summed to longer
+/// steps, some tens at most for each gap.
 /// @param spans  begin and end, ascending
 [[nodiscard]] std::vector<OdometryStep> subsampled_odometry(
     const std::vector<OdometryStep>& odometry, const std::vector<std::pair<double, double>>& spans);
@@ -53,14 +55,13 @@ struct DriveStretches {
 [[nodiscard]] std::vector<TimedPose> poses_near(const std::vector<TimedPose>& poses,
                                                 const std::vector<std::pair<double, double>>& spans);
 
-/// The choice of groups (epochs, instants, stretches) that subsample() makes, by their numbers in the order
-/// of time. Evenly spread ones first:
+/// Choice of groups (epochs, moments, segments) by subsample(), as numbers in the order of time. First evenly
+/// spaced ones:
 [[nodiscard]] std::vector<bool> evenly_chosen(std::size_t groups, std::size_t budget);
-/// and then more for each beacon that the chosen ones hear too seldom, evenly again.
+/// then further ones for each beacon that the chosen ones receive too rarely, again evenly.
 struct GroupsHearing {
-  std::vector<std::size_t> kept;  ///< of each beacon, its arrivals in the groups chosen
-  std::vector<std::vector<std::size_t>>
-      more;  ///< of each beacon, the groups left out that hear it, ascending
+  std::vector<std::size_t> kept;               ///< arrivals of each beacon in the chosen groups
+  std::vector<std::vector<std::size_t>> more;  ///< omitted groups with arrivals of each beacon, ascending
   /// Calls visit(beacon) for each arrival of a group of `more`.
   std::function<void(std::size_t group, const std::function<void(std::size_t beacon)>& visit)> for_each_heard;
 };
@@ -74,7 +75,8 @@ void choose_more(GroupsHearing& hearing, std::size_t per_beacon, std::vector<boo
 /// In the order of time, and of the rows of a file within an instant.
 void sort_by_time(std::vector<Arrival>& arrivals);
 
-/// At most so many arrivals of each beacon at one receiver, evenly: their places in the list, ascending.
+/// At most the given number of arrivals of each beacon at one receiver, evenly spaced: their indices,
+/// ascending.
 [[nodiscard]] std::vector<std::size_t> some_of_pairs(const std::vector<const Arrival*>& arrivals,
                                                      std::size_t per_pair);
 

@@ -219,7 +219,7 @@ class Solver {
   }
 
  private:
-  /// Of the planes of images. A beacon of known height has none but level ones, and where the places lie on a
+  /// Normals of the mirror planes. A beacon of known height has vertical planes only, and for positions on a
   /// line the weakest directions are any two across it.
   [[nodiscard]] std::vector<Eigen::Vector3d> normals() const {
     if (options_.held[2]) return {spread_.weakest_level};
@@ -247,7 +247,7 @@ class Solver {
     finish(best, out);
   }
 
-  /// Gauss-Newton's part of a ray under Cauchy's loss, its standard deviation held.
+  /// Contribution of a ray to Gauss-Newton with Cauchy's loss and a fixed standard deviation.
   static void add_ray(const RayMisfit& m, Eigen::Matrix3d& H, Eigen::Vector3d& g) {
     const double w = 0.25 / (1 + m.e * m.e / 4);
     const Eigen::Vector2d J = Eigen::Vector2d(-m.v.y(), m.v.x()) / (m.distance2_m2 * m.sigma_rad);

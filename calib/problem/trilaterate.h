@@ -57,9 +57,8 @@ template <class Receivers>
   return (known_m - receivers_m) * (found_m - receivers_m) < 0 ? 2 * receivers_m - found_m : found_m;
 }
 
-/// The mirror image of a place that the ranges leave: in the plane, or in the vertical plane, in which the
-/// places of the ranges lie, where it explains them nearly as well. None where they tell the two apart, or
-/// both are within two scales.
+/// Mirror image of a position that explains the ranges nearly as well: in the plane, or in the vertical plane
+/// of the positions of the ranges. No value if the ranges distinguish the two, or both are within two scales.
 [[nodiscard]] std::optional<Eigen::Vector3d> mirror_image_of(const Eigen::Vector3d& p_map_m,
                                                              const std::vector<RangeFrom>& ranges,
                                                              const TrilaterationOptions& options);

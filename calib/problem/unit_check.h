@@ -14,9 +14,9 @@ namespace octant::calib {
 /// in.
 [[nodiscard]] double stated_range_m(const Site& site, const MeasurementLog& run, const Arrival& arrival);
 
-/// Suspicions about the unit of tof_s: milliseconds, microseconds, nanoseconds or metres for seconds, by the
-/// median range against the site's extent; and there-and-back times taken for one way, or the reverse, by the
-/// triangle inequality between pairs of beacons whose places are known.
+/// Suspected units of tof_s: milliseconds, microseconds, nanoseconds or metres instead of seconds, from the
+/// median range and the site's extent; and two-way times interpreted as one-way times, or the reverse, from
+/// the triangle inequality between pairs of beacons with known positions.
 [[nodiscard]] std::vector<Finding> check_units(const Site& site, const MeasurementLog& run);
 
 }  // namespace octant::calib

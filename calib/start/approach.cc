@@ -21,31 +21,29 @@ namespace octant::calib {
 namespace {
 
 constexpr int kMaxStages = 12;
-constexpr double kLeastPlaced = 0.25;  ///< of the arrivals of beacons that are all held
-/// An epoch with an arrival this far off (beside the robust scale) is searched again.
+constexpr double kLeastPlaced = 0.25;  ///< fraction of the arrivals, if all beacons are fixed
+/// Residual, in addition to the robust scale, above which an epoch is searched again.
 constexpr double kSuspectSigmas = 2.0;
-/// Beacons at a stage of the graduated adjustment are off by about this share of its scale.
+/// Errors of beacons at a stage of the graduated adjustment, as a fraction of its scale.
 constexpr double kUncertaintyOfScale = 0.5;
-/// While the robust scale is beyond so many sigmas the headings of epochs are held near where the search
-/// found them.
+/// Robust scale in sigmas above which the headings of epochs are constrained to the result of the search.
 constexpr double kRoughScale = 10.0;
-/// Repeated searches, in sigmas by which beacons may be off; an improvement below two per cent counts as
-/// none.
+/// Repeated searches, by the errors of beacons in sigmas. An improvement below two per cent does not count.
 constexpr std::array<double, 5> kSearchScales = {0.0, 20.0, 8.0, 3.0, 0.0};
 constexpr double kMuchBetter = 0.98;
 /// A stated place is believed unless another one is better by this, half a square of four sigmas.
 constexpr double kAsGoodAsStated = 8.0;
 /// States are searched again once the robust scale is down to this, and once more at its end.
 constexpr double kSearchAgainScale = 30.0;
-/// What is known within this share of the typical range of one line may be its image in that.
+/// Positions within this fraction of the typical range from one line may be their mirror images.
 constexpr double kNearLine = 0.1;
 constexpr double kClearImage = 0.75;
 /// From one stage of the graduated adjustment to the next.
 constexpr double kFiner = 5.0;
-/// What held paths leave of the start's uncertainty in the residuals, and beacons then of it.
+/// Remaining fraction of the start's uncertainty in the residuals after fixed paths, and then of the beacons.
 constexpr double kShareOfHeld = 1.0 / 3, kLeftOfUncertainty = 0.5;
-/// Sigmas to which the states of a path are held, of place [m] and attitude [rad], one after the other:
-/// beacons come first, then both together, before the states are free.
+/// Sigmas of the constraints of a path's states, of position [m] and attitude [rad], one after the other:
+/// beacons first, then both together, before the states are free.
 constexpr double kHeldTo[] = {0.001, 0.01, 0.1};
 
 class Approacher {
@@ -65,7 +63,8 @@ class Approacher {
     start_ = initial_values(problem_, options_.threads);
     set_start();
     if (!has_poses(0.0)) return false;
-    // Clear images before labels are held against what was found; others once all has been searched again.
+    // Clear mirror images are handled before the labels are compared; others after all epochs have been
+    // searched again.
     if (!graduated() || !compare_image_in_wall(kClearImage) || !mend_labels() ||
         (search_again && (!search_and_adjust() || !compare_image_in_wall(1.0) || !look_behind_obstacles() ||
                           !compare_images())))
@@ -101,8 +100,8 @@ class Approacher {
     return !estimate_.last.interrupted;
   }
 
-  /// Graduated robustness: from the uncertainty of the start down to the noise, placing states anew on the
-  /// way.
+  /// Graduated robustness: from the uncertainty of the start down to the noise, placing states again in
+  /// between.
   bool graduated() {
     double scale = std::max(start_.uncertainty_m / sigma_m(), kCauchyScale);
     bool searched_again = false;
@@ -127,8 +126,8 @@ class Approacher {
     }
   }
 
-  /// Drives in space: what all arrivals share is fitted to the paths as the search laid them; among beacons
-  /// that are better known these are laid again, and both are brought together.
+  /// Drives in space: the shared parameters are fitted to the paths of the search, these are computed again
+  /// among better known beacons, and both are adjusted together.
   bool fitted_to_paths(double scale) {
     const auto fit = [&](double held_to) {
       const HeldStates held = HeldStates::paths(out_.trajectories, held_to, held_to);
@@ -139,7 +138,7 @@ class Approacher {
     return std::all_of(std::begin(kHeldTo), std::end(kHeldTo), fit);
   }
 
-  /// A beacon of unknown height that slipped below the receivers' plane is put back above.
+  /// Moves a beacon of unknown height that came below the plane of the receivers back above it.
   bool keep_above() {
     if (problem_.site.motion != Motion::kPlanar) return false;
     const SharedState state = estimate_.state();
@@ -165,8 +164,8 @@ class Approacher {
     return consensus_cost_of(problem_, out_, options_.rejection_sigmas, {}, early_more);
   }
 
-  /// Along a wall a site may have come out as its image in the wall, where little but what is stated across
-  /// it tells the sides: the image is adjusted too, and kept where it costs less than this share.
+  /// Along a wall, a site may be its mirror image in the wall if only the stated sigmas across it distinguish
+  /// the sides. The image is adjusted too, and used if it costs less than this fraction.
   bool compare_image_in_wall(double share) {
     const double off_line_m = kNearLine * problem_.typical_range_m;
     const AdjustedLog here = checkpoint();
@@ -178,7 +177,7 @@ class Approacher {
     return true;
   }
 
-  /// Exchanged or misplaced beacons, once the arrivals have told where they are.
+  /// Exchanged or misplaced beacons, after the arrivals have determined their positions.
   bool mend_labels() {
     const AdjustedLog before = checkpoint();
     LabelCheck check = check_labels(problem_, estimate_.layout, estimate_.x);
@@ -244,7 +243,7 @@ class Approacher {
     return adjust_from(off_m);
   }
 
-  /// States placed anew among beacons that are off by so much, and adjusted from there.
+  /// Places states again among beacons with errors of this size, and adjusts from there.
   bool adjust_from(double off_m) {
     place_again(kCauchyScale, off_m / sigma_m());
     double scale = std::max(off_m / sigma_m(), kCauchyScale);
@@ -267,7 +266,7 @@ class Approacher {
       const AdjustedLog here = checkpoint();
       const double cost = consensus(kEarlyIsRarer).total();
       estimate_.x = *moved;
-      // Where as many arrivals are late as are direct, Cauchy's loss would settle between both.
+      // If as many arrivals are late as direct, Cauchy's loss would converge between both.
       reject_outliers(out_.trajectories, estimate_.state(), options_.rejection_sigmas, options_.threads);
       if (!adjust_with(kCauchyScale, 1e-10)) return false;
       readmit_all(out_.trajectories, estimate_.beacon_usable);
@@ -276,11 +275,11 @@ class Approacher {
     return true;
   }
 
-  /// Beacons, or the whole site, of which the ranges leave a mirror image: it is adjusted too, and the better
-  /// one by all observations is kept. Where both are equally good a beacon is undetermined.
+  /// Mirror images of beacons, or of the whole site, that the ranges do not exclude: the image is adjusted
+  /// too, and the better one by all observations is used. If both are equally good, a beacon is undetermined.
   bool compare_images() {
     if (!monitor_.report("mirror images", 0.67)) return false;
-    // A second time where one went to the other side: others were held against it where it was.
+    // Repeated if one moved to the other side, because others were compared with its earlier position.
     bool is_turned = true;
     for (int round = 0; round < 2 && is_turned; ++round) {
       is_turned = false;
@@ -333,7 +332,7 @@ class Approacher {
     return true;
   }
 
-  /// States that fell into a wrong place while the beacons were off, as they may still be by so many sigmas.
+  /// States that were placed wrongly while the beacons had errors, which may still be this number of sigmas.
   void place_again(double scale, double uncertainty_sigmas) {
     const EpochFixModel model = search_model(problem_, estimate_.state(), estimate_.beacon_usable);
     for (Trajectory& t : out_.trajectories)

@@ -12,7 +12,7 @@
 
 namespace octant::calib {
 
-/// From nothing to shared parameters and states that the largest consensus of arrivals agrees on.
+/// From no initial values to shared parameters and states that agree with the largest consensus of arrivals.
 struct Approach : AdjustedLog {
   bool ok = false;  ///< false: `why_not` has status, message and weak directions
   Solution why_not;

@@ -12,8 +12,7 @@
 namespace octant::calib {
 namespace {
 
-/// A beacon overhead is taken to hang this share of the typical range above the receivers until the
-/// adjustment knows better.
+/// Initial height of an overhead beacon above the receivers, as a fraction of the typical range.
 constexpr double kHeightShare = 0.2;
 constexpr std::size_t kReceiversForBearing = 3;
 

@@ -9,15 +9,15 @@
 
 namespace octant::calib {
 
-/// A map frame made from the recordings alone, for sites of which no position is known.
+/// A map frame from the recordings only, for sites without known positions.
 struct ColdStart {
   bool ok = false;
-  double uncertainty_m = 0.0;  ///< how far ranges may be off in it
+  double uncertainty_m = 0.0;  ///< uncertainty of ranges in it
 };
 
-/// One epoch becomes the origin of the map: an array of receivers sees range and bearing of each beacon it
-/// hears, so the best-hearing epoch places its beacons around itself (above the receivers, where motion is
-/// planar). Marks those beacons found and that epoch placed.
+/// One epoch becomes the origin of the map. An array of receivers determines range and bearing of each beacon
+/// that it receives, so the epoch with most of them places its beacons around itself (above the receivers in
+/// planar motion). Marks these beacons and this epoch as placed.
 [[nodiscard]] ColdStart start_from_array(const Problem& problem, SharedState& state,
                                          std::vector<Trajectory>& trajectories,
                                          std::vector<bool>& beacon_found, double typical_range_m);

@@ -9,7 +9,7 @@ namespace octant::calib {
 
 namespace {
 
-constexpr double kHeadingHeldToRad = 0.1;  ///< what the search leaves with beacons off by a few decimetres
+constexpr double kHeadingHeldToRad = 0.1;  ///< error of the search if beacons have errors of a few decimetres
 
 bool stands_in_the_plane(const Trajectory& t) { return !t.moving && t.motion == Motion::kPlanar; }
 

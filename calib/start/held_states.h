@@ -17,8 +17,8 @@ class HeldStates {
   /// which do not depend on the beacons.
   /// @param trajectories  null: holds nothing
   [[nodiscard]] static HeldStates headings(std::vector<Trajectory>* trajectories);
-  /// Holds the paths of drives in space. Their heights and tilts are weakly observable: states that are free
-  /// settle towards beacons that are off, which then follow them into a tilted image of both.
+  /// Constrains the paths of drives in space. Their heights and tilts are weakly observable: free states
+  /// adapt to wrong beacons, which then follow them into a tilted image of both.
   /// @param place_m, attitude_rad  sigmas of each state
   [[nodiscard]] static HeldStates paths(std::vector<Trajectory>& trajectories, double place_m,
                                         double attitude_rad);
@@ -28,9 +28,9 @@ class HeldStates {
   ~HeldStates();
 
  private:
-  /// Holds the placed states of some trajectories near their present values; a segment's own measured poses
-  /// stay, and are enough.
-  /// @param like  the sigmas; infinite: not held
+  /// Constrains the placed states of some trajectories to their present values; segments with measured poses
+  /// keep these, which are sufficient.
+  /// @param like  the sigmas; infinite: no constraint
   HeldStates(std::vector<Trajectory>* trajectories, bool (*is_held)(const Trajectory&),
              const PoseObservation& like);
   static void hold(Trajectory& trajectory, const PoseObservation& like);
@@ -40,7 +40,7 @@ class HeldStates {
   std::vector<std::vector<Segment>> segments_;
 };
 
-/// Whether a trajectory is a drive in space by odometry alone, the path of which can be held.
+/// Returns true if a trajectory is a drive in space with odometry only, whose path can be constrained.
 [[nodiscard]] bool can_be_held(const Trajectory& trajectory);
 
 }  // namespace octant::calib

@@ -9,21 +9,21 @@
 
 namespace octant::calib {
 
-/// What was found wrong with the site file's positions, and the priors as mended.
+/// Faults of the site file's positions, and the corrected priors.
 struct LabelCheck {
   bool mended = false;                   ///< priors of the layout were changed: adjust again
   std::vector<std::string> warnings;     ///< name the beacons
   std::vector<std::size_t> disregarded;  ///< beacons that lost their priors
 };
 
-/// Compares where the arrivals put each beacon with where the site file has it. Two beacons at each other's
-/// places were exchanged: their priors are exchanged. One that is far from its place (beyond six sigmas)
-/// without such a partner loses its prior, unless it is one of those to be trusted. Both are told by name.
+/// Compares the estimated position of each beacon with the site file. If two beacons are at each other's
+/// positions, they were exchanged, and so are their priors. A beacon far from its position (beyond six
+/// sigmas) without such a partner loses its prior, unless it is to be trusted. Both are reported by name.
 [[nodiscard]] LabelCheck check_labels(const Problem& problem, ParameterLayout& layout,
                                       const Eigen::VectorXd& x, const std::vector<std::size_t>& trusted = {});
 
-/// Control points cannot move: one whose arrivals are mostly rejected is located from the vehicle states by
-/// its own ranges, and told where it really seems to be, by the name of the beacon that the site file has
+/// Control points cannot move. One whose arrivals are mostly rejected is located from the vehicle states by
+/// its own ranges, and its apparent position is reported, with the name of the beacon that the site file has
 /// there.
 [[nodiscard]] std::vector<std::string> suspect_control_points(const Problem& problem,
                                                               const SharedState& state,

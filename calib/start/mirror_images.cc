@@ -20,17 +20,18 @@ namespace {
 
 /// Half the squares by which one of two solutions has to be better: four sigmas.
 constexpr double kDecided = 8.0;
-/// The same of ranges alone: a mirror image that explains them worse by less than this is as good (see
+/// Threshold for ranges only: a mirror image that explains them worse by less than this is as good (see
 /// trilaterate.cc, where it is kAsGood at three times the scale, with a quarter of the weight).
 constexpr double kDecidedByRanges = 144.0;
-/// Half the squares by which arrivals have to tell a beacon above the receivers from one below:
-/// more than kDecided, as part of what a pair keeps goes into the beacon's own place and delay.
+/// Half of the difference of squares by which arrivals must distinguish a beacon above the receivers from one
+/// below: more than kDecided, because a part of the constant errors of a pair is absorbed by the beacon's
+/// position and delay.
 constexpr double kDecidedByHeight = 12.0;
 /// Places this many sigmas off a line are not in line; a prior beyond this share of the typical range is no
 /// known place.
 constexpr double kOffLineSigmas = 5.0;
 constexpr double kVaguePlace = 0.25;
-constexpr double kLeastSigmaM = 1e-3;  ///< of a known place: what a tape is good for
+constexpr double kLeastSigmaM = 1e-3;  ///< sigma of a known position: the accuracy of a tape
 /// Arrivals of a pair at one place that count in full.
 constexpr double kMostOfOnePlace = 4.0;
 

@@ -12,8 +12,8 @@
 
 namespace octant::calib {
 
-/// What the final rejection will leave of a solution: squares up to its limit, and the priors. Lower is a
-/// larger consensus.
+/// Cost of a solution after the final rejection: squares up to its limit, and the priors. Lower is a larger
+/// consensus.
 struct ConsensusCost {
   double arrivals = 0.0;
   double others = 0.0;  ///< bearings, measured poses, priors
@@ -22,11 +22,11 @@ struct ConsensusCost {
 /// Early arrivals are so much rarer than late ones, as in the search of a fix (ln 20, consensus.cc): by this
 /// many more half squares a consensus may be short of each that it leaves out.
 inline constexpr double kEarlyIsRarer = 3.0;
-/// What arrivals count for, trajectory by trajectory.
+/// Weights of arrivals, trajectory by trajectory.
 using ArrivalWeights = std::vector<std::vector<double>>;
 
-/// @param weights  of the arrivals' squares; none: each counts in full
-/// @param early_more  what an early arrival beyond the limit costs more than a late one
+/// @param weights     of the arrivals' squares; empty: full weight
+/// @param early_more  additional cost of an early arrival beyond the limit
 [[nodiscard]] ConsensusCost consensus_cost_of(const Problem& problem, const AdjustedLog& log,
                                               double rejection_sigmas, const ArrivalWeights& weights = {},
                                               double early_more = 0.0);
@@ -36,7 +36,7 @@ using ArrivalWeights = std::vector<std::vector<double>>;
 [[nodiscard]] ArrivalWeights weights_by_place(const Problem& problem,
                                               const std::vector<Trajectory>& trajectories);
 
-/// Which of two solutions the observations prefer.
+/// Solution, out of two, that the observations prefer.
 enum class Preference { kFirst, kSecond, kNeither };
 
 /// Compares a solution with its mirror image, both adjusted. Bearings, measured poses and priors decide
@@ -45,7 +45,7 @@ enum class Preference { kFirst, kSecond, kNeither };
 /// @param noise  of the arrivals over the stated one
 [[nodiscard]] Preference prefer(const ConsensusCost& first, const ConsensusCost& second, double noise);
 
-/// The same of two solutions, adjusted, with weights_by_place and the first one's noise.
+/// Compares two adjusted solutions, with weights_by_place and the noise of the first one.
 [[nodiscard]] Preference prefer_by_all(const Problem& problem, const AdjustedLog& first,
                                        const AdjustedLog& second, double rejection_sigmas);
 /// Half the squares by which the arrivals speak against the second of two solutions (negative: against the
@@ -58,25 +58,25 @@ enum class Preference { kFirst, kSecond, kNeither };
 [[nodiscard]] bool is_across_receivers(const Problem& problem, const Eigen::Vector3d& p_m,
                                        const Eigen::Vector3d& image_m);
 /// Compares a beacon above the receivers with its image below them, or the reverse: receivers at slightly
-/// different heights tell, where those are known.
+/// different, known heights distinguish them.
 [[nodiscard]] Preference prefer_height(const Problem& problem, const AdjustedLog& first,
                                        const AdjustedLog& second, double rejection_sigmas);
 
-/// A beacon of a planar site as far below the receivers as it is above them, or the reverse: what arrivals do
-/// not tell where all receivers are at one height. None where the prior of its height tells, or there is
-/// none, or both are one place to the tolerance for beacons.
+/// Image of a beacon of a planar site in the plane of the receivers, which arrivals do not exclude if all
+/// receivers have one height. No value if the prior of its height excludes it, if there is no such prior, or
+/// if both are one position within the tolerance.
 [[nodiscard]] std::optional<Eigen::Vector3d> image_across_receivers(const Problem& problem,
                                                                     const Estimate& estimate,
                                                                     std::size_t beacon);
 
-/// Vehicles of a planar site stand on z = 0: a beacon below that is under the floor.
+/// Vehicles of a planar site are at z = 0: a beacon below that is under the floor.
 [[nodiscard]] inline bool is_under_floor(const Eigen::Vector3d& p_map_m) {
   constexpr double kMargin_m = 0.05;
   return p_map_m.z() < -kMargin_m;
 }
 
-/// Whether all known places of a planar site lie in one line (there are two at least), and nothing tells left
-/// from right.
+/// Returns true if all known positions of a planar site are in one line (at least two), and no observation
+/// distinguishes left from right.
 [[nodiscard]] bool is_known_in_line(const Problem& problem, const AdjustedLog& log);
 
 /// Turns a planar site into its mirror image: beacons in the layout and states without a measured pose are

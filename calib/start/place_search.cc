@@ -19,14 +19,14 @@ namespace {
 /// Places of the grid to either side, in each free coordinate. The geometry makes a place be off by more than
 /// its ranges.
 constexpr int kToEitherSide = 3;
-/// The grid's spacing is what this share of the ranges is off by at most.
+/// Spacing of the grid: the largest error of this fraction of the ranges.
 constexpr double kSpacingQuantile = 0.9;
 /// Scale of the loss: in the beginning of the spacing, and from one to the next. A coarser one would take the
 /// direct and the late arrivals together.
 constexpr double kCoarseShare = 1.0 / 3, kNarrower = 3.0;
 constexpr int kStepsEachScale = 4;
 constexpr double kEarlyScale = 3.0;   ///< sound is late sooner than early
-constexpr std::size_t kEnough = 300;  ///< ranges, evenly spread, that are looked at
+constexpr std::size_t kEnough = 300;  ///< size of the even sample of ranges
 /// Share of a beacon's arrivals, and how many times that of the beacon in the middle.
 constexpr double kManyDoNotFit = 0.2, kMoreThanOthers = 1.5;
 constexpr std::size_t kMostLost = 8;
@@ -100,7 +100,8 @@ class PlaceSearch {
       H(i, i) += information;
       g[i] += information * (prior_.mean[i] - x[i]);
     }
-    // What is held has no step; what no range tells, as a height in the receivers' plane, a short one.
+    // Fixed coordinates have no step; unobservable ones, such as a height in the plane of the receivers, have
+    // a short one.
     const double least = 1e-9 * H.diagonal().maxCoeff();
     for (Eigen::Index i = 0; i < 4; ++i) {
       H(i, i) += least;

@@ -15,10 +15,10 @@ namespace octant::calib {
 /// A beacon's place and delay: x, y, z [m], and by how much its delay lengthens a range [m].
 using PlaceAndDelay = Eigen::Vector4d;
 
-/// What is known of a beacon's place and delay beside its ranges.
+/// Prior of a beacon's position and delay.
 struct PlacePrior {
   PlaceAndDelay mean = PlaceAndDelay::Zero();
-  PlaceAndDelay sigma = PlaceAndDelay::Constant(INFINITY);  ///< infinite: none; 0: held
+  PlaceAndDelay sigma = PlaceAndDelay::Constant(INFINITY);  ///< infinite: no prior; 0: fixed
 };
 
 /// The place and delay that the largest consensus of ranges from known places agrees on: the least that is
@@ -37,13 +37,13 @@ struct PlacePrior {
                                                                       double sigma_m,
                                                                       double rejection_sigmas);
 
-/// Free beacons of whose arrivals at placed states many are off by more than `rejection_sigmas`, and more
-/// than of others, the worst first, eight at most.
+/// Free beacons with many arrivals at placed states beyond `rejection_sigmas`, and more than others have; the
+/// worst first, eight at most.
 [[nodiscard]] std::vector<std::size_t> beacons_that_do_not_fit(const AdjustedLog& log,
                                                                double rejection_sigmas);
 
-/// The parameters with a beacon where the states as they are have it by place_of_largest_consensus(). None
-/// where that is where it is.
+/// The parameters with a beacon moved to place_of_largest_consensus() for the present states. No value if it
+/// is there already.
 [[nodiscard]] std::optional<Eigen::VectorXd> with_beacon_of_larger_consensus(const Problem& problem,
                                                                              const AdjustedLog& log,
                                                                              std::size_t beacon,

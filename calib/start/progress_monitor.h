@@ -11,10 +11,10 @@
 
 namespace octant::calib {
 
-/// Where the course is to stop.
+/// Error of a cancelled calibration.
 [[nodiscard]] inline auto interrupted() { return fail({.code = Errc::kInterrupted, .found = "interrupted"}); }
 
-/// How far a calibration has come: what it tells whoever listens, and whether he wants it to stop.
+/// Progress of a calibration: reports it to the caller, who may cancel.
 class ProgressMonitor {
  public:
   /// @param options  outlive it

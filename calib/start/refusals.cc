@@ -68,7 +68,7 @@ namespace {
 
 struct PlacedArrivals {
   std::size_t placed = 0, all = 0;
-  bool any_state = false;  ///< of bearings too
+  bool any_state = false;  ///< any state, also of bearings
 };
 PlacedArrivals placed_of(const std::vector<Trajectory>& trajectories) {
   PlacedArrivals n;
@@ -84,7 +84,7 @@ bool are_all_held(const Site& site) {
   return std::ranges::all_of(site.beacons, [](const SiteBeacon& b) { return b.is_control_point(); });
 }
 
-/// Nothing is told of the poses of the vehicle, and so of these beacons.
+/// The poses of the vehicle are not determined, and thus these beacons are not either.
 Solution refused_poses(const Problem& problem, const std::vector<std::size_t>& beacons,
                        std::string description, std::string remedy) {
   WeakDirection direction;
@@ -102,7 +102,7 @@ Solution without_any_pose(const Problem& problem, const std::vector<bool>& beaco
   std::ranges::copy_if(all, std::back_inserter(lost), [&](std::size_t b) { return !beacon_found[b]; });
   std::vector<std::string> names;
   for (const std::size_t b : lost.empty() ? all : lost) names.push_back(problem.site.beacons[b].name);
-  // All beacons may be known and still no pose come of them: too few are heard together.
+  // All beacons may be known without a pose, because too few are received together.
   return refused_poses(
       problem, lost.empty() ? all : lost,
       lost.empty()
@@ -114,7 +114,7 @@ Solution without_any_pose(const Problem& problem, const std::vector<bool>& beaco
       "poses of the vehicle");
 }
 
-/// Beacons that all stand in a line: no pose is told from its image in it.
+/// All beacons are in one line, so a pose is not distinguishable from its mirror image.
 Solution without_a_side(const Problem& problem, const PlacedArrivals& n) {
   std::vector<std::size_t> all(problem.site.beacons.size());
   std::iota(all.begin(), all.end(), std::size_t{0});

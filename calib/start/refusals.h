@@ -9,19 +9,19 @@
 
 namespace octant::calib {
 
-/// A solution of which nothing came but the word that it was stopped.
+/// A solution that was cancelled.
 [[nodiscard]] Solution interrupted_solution();
 
-/// Whether anything fixes the scale: two places that are known, a taped distance, an array or odometry, or
-/// the speed itself, to a tenth. Empty if so, otherwise what is missing.
+/// Checks that the scale is determined: two known positions, a taped distance, an array or odometry, or the
+/// speed itself, to a tenth. Returns an empty text, or what is missing.
 [[nodiscard]] std::optional<WeakDirection> missing_scale(const Problem& problem);
 
-/// Nothing is solved, as the data do not determine a direction; what would settle it is said.
+/// A solution for data that do not determine a direction, with the remedy.
 [[nodiscard]] Solution refused(WeakDirection direction);
 
-/// Refused where no pose of the vehicle was found, or, all beacons being held, none for most of the arrivals:
-/// what is calibrated then hangs on the few that chance placed. None: enough was found.
-/// @param least_share  of the arrivals of held beacons that have to have a pose
+/// Refusal if no pose of the vehicle was found, or, with all beacons fixed, none for most of the arrivals:
+/// the result would depend on the few that chance placed. No value if enough were found.
+/// @param least_share  fraction of the arrivals of fixed beacons that must have a pose
 [[nodiscard]] std::optional<Solution> without_poses(const Problem& problem, const AdjustedLog& log,
                                                     double least_share);
 

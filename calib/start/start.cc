@@ -22,9 +22,9 @@ namespace {
 /// A beacon counts as known when its prior is this much tighter than the ranges it takes part in.
 constexpr double kKnownShareOfRange = 0.2;
 
-/// A thousand ranges settle a start as well as a million.
+/// A thousand ranges determine a start as well as a million.
 constexpr std::size_t kEnoughToStart = 1000;
-/// Fewer tell whether a mirror image fits as well.
+/// A smaller number is sufficient to compare mirror images.
 constexpr std::size_t kEnoughForImage = 200;
 
 TrilaterationOptions trilateration_options(const Problem& problem, const SharedState& state,
@@ -60,7 +60,7 @@ class Starter {
   }
 
  private:
-  /// States from beacons and beacons from states, in turn, until nothing new is found.
+  /// Places states from beacons and beacons from states, alternately, until no more are found.
   void spread() {
     for (std::size_t round = 0; round < site_.beacons.size() + 2; ++round) {
       const std::size_t placed = place_all(), found = find_beacons();
@@ -184,7 +184,7 @@ bool place_epoch(Trajectory& t, const Segment& epoch, const EpochFixModel& model
   } else {
     node = before;
   }
-  // The search looked at all arrivals; what a gate has left out stays out until the adjustment has settled.
+  // The search used all arrivals; those that a gate rejected stay out until the adjustment has converged.
   for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i)
     t.arrivals[i].rejection = is_gated(rejections[i - epoch.first_arrival])
                                   ? rejections[i - epoch.first_arrival]
@@ -246,7 +246,7 @@ std::size_t place_states(Trajectory& t, const EpochFixModel& model, double uncer
         epochs += here;
       });
   placed += epochs;
-  // What the search could not place, odometry reaches from a neighbour.
+  // Places states by odometry from a neighbour if the search could not place them.
   for (const OdometryObservation& o : t.odometry)
     if (t.nodes[o.node].placed && !t.nodes[o.node + 1].placed) {
       t.nodes[o.node + 1].T_map_vehicle = t.nodes[o.node].T_map_vehicle * o.T_before_after;

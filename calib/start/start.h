@@ -17,7 +17,7 @@ struct Start {
   SharedState state;
   std::vector<Trajectory> trajectories;  ///< nodes placed where a start was found
   std::vector<bool> beacon_found;        ///< position known well enough to begin with
-  double uncertainty_m = 0.0;            ///< how far predicted ranges may be off at the start
+  double uncertainty_m = 0.0;            ///< uncertainty of predicted ranges at the start
   std::vector<std::string> warnings;
 };
 
@@ -26,19 +26,19 @@ struct Start {
 /// states found so far.
 [[nodiscard]] Start initial_values(const Problem& problem, int threads = 1);
 
-/// The mirror image of a beacon's place that its ranges from the states at hand leave, to scale_m; none where
-/// they tell it apart.
+/// Mirror image of a beacon's position that its ranges from the present states do not exclude, to scale_m; no
+/// value if they do.
 [[nodiscard]] std::optional<Eigen::Vector3d> mirror_image(const Problem& problem, const SharedState& state,
                                                           const std::vector<Trajectory>& trajectories,
                                                           std::size_t beacon, double scale_m);
 
-/// What the epoch search has to know, for the beacons marked usable.
+/// Input of the epoch search, for the beacons marked usable.
 [[nodiscard]] EpochFixModel search_model(const Problem& problem, const SharedState& state,
                                          const std::vector<bool>& usable);
 
-/// Places the states of a trajectory that have no initial value; with `again` also those of epochs in which
-/// an arrival is off by more than `suspect_sigmas`. States with a measured pose are left. Returns how many
-/// segments were placed anew.
+/// Places the states of a trajectory without an initial value; with `again` also those of epochs with an
+/// arrival beyond `suspect_sigmas`. States with a measured pose are unchanged. Returns the number of segments
+/// placed again.
 std::size_t place_states(Trajectory& trajectory, const EpochFixModel& model, double uncertainty_m, bool again,
                          double suspect_sigmas = 0.0, int threads = 1);
 
