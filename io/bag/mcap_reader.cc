@@ -192,7 +192,7 @@ class McapReader {
     if (!fields.ok()) return {};
     const auto channel = channels_.find(id);
     if (channel == channels_.end())
-      return broken(at, fmt::format("a message of channel {}, which nothing before it tells of", id),
+      return broken(at, fmt::format("a message of channel {}, which is not defined before it", id),
                     "channels before their messages");
     if (!channel->second.wanted) return {};
     ++summary_.messages;

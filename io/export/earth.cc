@@ -60,7 +60,7 @@ Result<EarthOrigin> origin_from_words(std::string_view words, double north_deg) 
          std::isfinite(numbers[2]);
   if (!good)
     return fail({.code = Errc::kUsage,
-                 .found = words.empty() ? "nothing says where the map is on the earth"
+                 .found = words.empty() ? "the position of the map on the earth is not stated"
                                         : "--origin " + in_quotes(words),
                  .expected =
                      "--origin LATITUDE,LONGITUDE[,ALTITUDE] of the map's origin, degrees and metres, as "

@@ -38,7 +38,7 @@ struct PqConnection {
     if (state != nullptr && std::string_view(state) == "55P03")
       return fail({.code = Errc::kOutput,
                    .file = label,
-                   .found = fmt::format("held by another program for more than {} s", kPatience_s),
+                   .found = fmt::format("locked by another program for more than {} s", kPatience_s),
                    .expected = "a history that others write to for moments only",
                    .advice = "end the program that holds it, and try again"});
     return fail({.code = Errc::kOutput,

@@ -25,7 +25,7 @@ tl::unexpected<Error> sql_failure(const std::string& path, int code, const std::
     case SQLITE_LOCKED:
       return fail({.code = Errc::kOutput,
                    .file = path,
-                   .found = fmt::format("held by another program for more than {} s", kPatience.count()),
+                   .found = fmt::format("locked by another program for more than {} s", kPatience.count()),
                    .expected = "a history that others write to for moments only",
                    .advice = "end the program that holds it, and try again"});
     case SQLITE_NOTADB:

@@ -112,7 +112,7 @@ Result<std::vector<FileContent>> run_files(ImportedLog& log, const std::string& 
     log.arrivals[i].time_s = clock.continued(log.arrivals[i].time_s, log.arrivals[i - 1].time_s, 0);
   if (const auto restarts = clock.note(log.path)) log.warnings.push_back(*restarts);
   if (put_in_order(log.arrivals))
-    log.warnings.push_back(log.path + ": the rows are not in the order of time; they were put into it");
+    log.warnings.push_back(log.path + ": the rows are not in the order of time; they were sorted");
   one_an_instant(log.odometry, "poses of the odometry", log);
   one_an_instant(log.poses, "poses", log);
   one_an_instant(log.truth, "reference poses", log);

@@ -267,7 +267,7 @@ class TableReader {
           "nanoseconds; they were converted to seconds");
     if (const auto unit = unit_.note(path_)) out_.warnings.push_back(*unit);
     if (!std::ranges::is_sorted(rows_, earlier)) {
-      out_.warnings.push_back(path_ + ": the rows are not in the order of time; they were put into it");
+      out_.warnings.push_back(path_ + ": the rows are not in the order of time; they were sorted");
       std::ranges::stable_sort(rows_, earlier);
     }
     if (out_.dropped > 0)

@@ -144,11 +144,11 @@ Result<std::vector<TimedPose>> parse_points(std::string_view text, const std::st
   if (csv.error()) return fail(*csv.error());
   if (epochs.empty())
     return fail({.file = file,
-                 .found = "points by epoch beside rows without any",
+                 .found = "points by epoch, but rows without epochs",
                  .expected = "a column epoch in tof.csv or bearings.csv: which rows belong to which stop"});
   if (unheard > 0)
-    log.warnings.push_back(fmt::format("{}: {} point{} of epochs of which nothing was heard, not used",
-                                       first_unheard, unheard, unheard == 1 ? "" : "s"));
+    log.warnings.push_back(fmt::format("{}: {} point{} of epochs without arrivals, not used", first_unheard,
+                                       unheard, unheard == 1 ? "" : "s"));
   if (const auto warning = csv.unknown_columns()) log.warnings.push_back(*warning);
   set_accuracy(points, file, accuracy, log);
   std::vector<TimedPose> poses;

@@ -222,7 +222,7 @@ Result<void> RunReader::read_odometry() {
     return fail({.file = path("odometry.tum"),
                  .found = "odometry.csv is there too",
                  .expected = "one of them",
-                 .advice = "take the other away"});
+                 .advice = "remove the other one"});
   log_.odometry = steps_between(track, log_.vehicle.valid() ? log_.vehicle : VehicleId(0));
   return {};
 }
@@ -239,7 +239,7 @@ Result<void> RunReader::read_track(const char* name, std::vector<TimedPose>& pos
   align_periods(poses, first_time_s_, clock.period_s() > 0.0 ? clock : clock_of_tof_);
   if (poses.empty() || log_.vehicle.valid()) return {};
   return fail({.file = path(name),
-               .found = fmt::format("it is open whose poses these are: the site has {} vehicles",
+               .found = fmt::format("the vehicle of these poses is not stated: the site has {} vehicles",
                                     lookup_.names().vehicles.size()),
                .expected = "'vehicle: ...' in run.yaml"});
 }

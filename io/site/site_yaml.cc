@@ -45,7 +45,7 @@ void read_medium(const YamlNode& node, Site& site, YamlLog& log) {
   }
   medium.speed_mps = map.number("speed_mps", medium.speed_mps, kPositive);
   if (!map.has("sigma_mps"))
-    log.warn(node, "medium.sigma_mps is not given; the speed is held fixed (sigma_mps: 0)");
+    log.warn(node, "medium.sigma_mps is not given; the speed is fixed (sigma_mps: 0)");
   site.speed_sigma_mps = map.number("sigma_mps", 0.0, kNotNegative);
   site.speed_offset_per_run = map.choice<bool>("offset_per", {{"site", false}, {"run", true}}, false);
   map.finish();
@@ -97,7 +97,7 @@ void read_timing(const YamlNode& node, Site& site, YamlLog& log) {
   if (timing.clock != Clock::kCycleOffset && (timing.drift != 0.0 || timing.drift_sigma > 0))
     map.fail(timing.drift != 0.0 ? "drift_ppm" : "drift_sigma_ppm", "a drift of a synchronised clock",
              "clock: cycle_offset, or no drift",
-             "where radio or wire marks each firing there is no time for a clock to drift");
+             "if radio or a wire marks each firing, the drift of a clock has no effect");
   map.finish();
 }
 
@@ -194,7 +194,7 @@ void warn_of_held_delays(YamlMap& root, const Site& site, YamlLog& log) {
       per.beacon && !per.receiver && !per.site && !site.beacons.empty() &&
       std::ranges::all_of(site.beacons, [](const SiteBeacon& b) { return b.delay_sigma_s.has_value(); });
   if (!all_state_their_own)
-    log.warn(node, "timing.delay_sigma_s is not given; the delays are held fixed (delay_sigma_s: 0)");
+    log.warn(node, "timing.delay_sigma_s is not given; the delays are fixed (delay_sigma_s: 0)");
 }
 
 /// Checks the keys that a directional attenuation needs.
@@ -204,7 +204,7 @@ void check_axes(YamlMap& root, const Site& site, YamlLog& log) {
     if (receiver.axis) return;
   root.fail("attenuation", "attenuation.half_power_angle_rad, and no receiver has an axis",
             "axis: [x, y, z] of the receivers, or layout: octagon",
-            "without directions of hearing there is nothing to be off from");
+            "the half-power angle is measured from the axis of a receiver");
 }
 
 }  // namespace

@@ -60,7 +60,7 @@ Error beyond(const JsonWatch& watch, std::string_view text, std::size_t at, cons
           .column = place.column,
           .found = watch.found(),
           .expected = "a document that octant wrote",
-          .advice = "the file is none of octant's, or altered"};
+          .advice = "the file was not written by octant, or was altered"};
 }
 
 }  // namespace

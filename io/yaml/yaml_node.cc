@@ -194,7 +194,7 @@ class YamlBuilder {
     const std::string name = reinterpret_cast<const char*>(event.data.alias.anchor);
     const auto anchor = anchors_.find(name);
     if (anchor == anchors_.end())
-      return bad(event.start_mark, fmt::format("an alias of {}, which nothing is named", in_quotes(name)),
+      return bad(event.start_mark, fmt::format("an alias of {}, which is not defined", in_quotes(name)),
                  "a name that an anchor (&name) gave before");
     if (anchor->second.open)
       return bad(event.start_mark, fmt::format("an alias of {} within it", in_quotes(name)),
