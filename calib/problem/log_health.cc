@@ -223,7 +223,7 @@ class Examiner {
     h_.poses.share = static_cast<double>(on_poses) / all;
     for (const auto& [name, c] :
          {std::pair<std::string, const Coverage&>{"odometry.csv", h_.odometry}, {pose_file(run_), h_.poses}})
-      if (c.rows > 0 && h_.arrivals > 0 && c.share < 0.9)
+      if (name != "points.csv" && c.rows > 0 && h_.arrivals > 0 && c.share < 0.9)  // points have no clock
         find("coverage", fmt::format("{} accompanies {:.0f} % of the arrivals only (longest gap {:.3g} s): "
                                      "do both run on the same clock?",
                                      name, 100 * c.share, c.longest_gap_s));

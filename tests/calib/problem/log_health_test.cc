@@ -186,6 +186,16 @@ TEST(LogHealth, TellsHowMuchOdometryAndPosesAccompany) {
               ElementsAre(HasSubstr("odometry.csv accompanies 60 % of the arrivals only (longest gap 7 s)")));
 }
 
+TEST(LogHealth, PointsOfSomeStopsRunOnNoClock) {
+  MeasurementLog log = stops(20, 1.0);
+  log.vehicle = VehicleId(0);
+  log.poses = {{log.arrivals.front().time_s, Pose()}};
+  EXPECT_THAT(texts(calib::log_health(small_site(), log), "coverage"),
+              ElementsAre(HasSubstr("poses.tum accompanies")));
+  log.sha256["run/points.csv"] = "";
+  EXPECT_THAT(texts(calib::log_health(small_site(), log), "coverage"), ElementsAre());
+}
+
 TEST(LogHealth, ATemperatureOfSomeArrivalsIsSaid) {
   Site site = small_site();
   site.medium = {.model = MediumModel::kCramer1993, .temperature_degC = 12.0};
