@@ -12,7 +12,8 @@ namespace octant::io {
 /// Text of a deployment file (contract: deployment.json), with a digest of its own content so that alteration
 /// is noticed.
 [[nodiscard]] std::string deployment_to_json(const Deployment& deployment);
-/// Serialises the document for a file. Errors: numbers that are not finite, which readers refuse.
+/// Serialises the document for a file and reads it back. Errors: numbers that are not finite, and whatever
+/// else readers refuse.
 [[nodiscard]] Result<std::string> checked_deployment_json(const std::string& path,
                                                           const Deployment& deployment);
 /// Refuses a site file that is given instead of a deployment, with a message that says so.

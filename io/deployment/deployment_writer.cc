@@ -243,14 +243,22 @@ Result<std::string> deployment_digest(const std::string& path) {
 std::string deployment_to_json(const Deployment& deployment) { return text_of(content_of(deployment)); }
 
 Result<std::string> checked_deployment_json(const std::string& path, const Deployment& deployment) {
+  constexpr const char* kReport = "this is a fault of the program: please report it";
   const Json json = content_of(deployment);
   if (const std::string pointer = find_not_finite(json, ""); !pointer.empty()) {
     return fail({.code = Errc::kOutput,
                  .file = path,
                  .found = fmt::format("not written: {} is not a finite number", pointer),
-                 .advice = "this is a fault of the program: please report it"});
+                 .advice = kReport});
   }
-  return text_of(json);
+  std::string text = text_of(json);
+  if (const auto read = deployment_from_json(text, path); !read)
+    return fail({.code = Errc::kOutput,
+                 .file = path,
+                 .found = fmt::format("not written: it cannot be read back ({})", read.error().found),
+                 .expected = read.error().expected,
+                 .advice = kReport});
+  return text;
 }
 
 Result<void> write_deployment(const std::string& path, const Deployment& deployment) {

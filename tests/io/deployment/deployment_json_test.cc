@@ -188,6 +188,9 @@ TEST(DeploymentJson, NothingIsWrittenThatCannotBeRead) {
   d.covariance.matrix(0, 1) = std::nan("");
   expect_error(write_deployment(folder.path("d.json"), d), 0,
                "/covariance/upper_triangle/1 is not a finite number", "d.json");
+  Deployment refused = small_deployment();
+  refused.beacons[0].delay_sigma_s = -1e-6;
+  expect_error(write_deployment(folder.path("d.json"), refused), 0, "it cannot be read back", "d.json");
   EXPECT_EQ(folder.files(), 0u);
   ASSERT_TRUE(write_deployment(folder.path("d.json"), small_deployment()));
   EXPECT_TRUE(read_deployment(folder.path("d.json")));
