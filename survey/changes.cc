@@ -133,7 +133,7 @@ void judge(const Deployment& before, const Deployment& now, const Drift& drift, 
 }  // namespace
 
 Changes changes_between(const Deployment& before, const Deployment& now) {
-  return changes_between(before, now, Drift::of_months(months_between(before.created, now.created)));
+  return changes_between(before, now, drift_between(before, now.created));
 }
 
 Changes changes_between(const Deployment& before, const Deployment& now, const Drift& drift) {

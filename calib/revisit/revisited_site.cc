@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "calib/deployed_site.h"
+#include "models/changes/change_sigmas.h"
 #include "models/parameter.h"
 
 namespace octant::calib {
@@ -45,23 +46,13 @@ struct PriorOfSite : HasNothing<void> {
   }
 };
 
-/// Room for a change of each kind; no visit searches for one of the others. Visitor: see visit_parameter.
-struct RoomOf : HasNothing<double> {
-  const RoomForChange& room;
-  explicit RoomOf(const RoomForChange& of) : room(of) {}
-  [[nodiscard]] double beacon_position(std::size_t, std::size_t) const { return room.beacon_m; }
-  [[nodiscard]] double beacon_delay(std::size_t) const { return room.delay_s; }
-  [[nodiscard]] double beacon_gain(std::size_t) const { return room.log_gain; }
-  [[nodiscard]] double receiver_position(std::size_t, std::size_t) const { return room.receiver_m; }
-  [[nodiscard]] double speed(std::size_t) const { return room.speed_mps; }
-};
-
 }  // namespace
 
-Eigen::VectorXd room_for_change(const KnownParameters& known, const RoomForChange& room) {
+Eigen::VectorXd room_for_change(const KnownParameters& known) {
+  const ChangeSigmas room = usual_changes(known.speed_mps);
   Eigen::VectorXd sigma(known.size());
   for (Eigen::Index k = 0; k < known.size(); ++k)
-    sigma[k] = visit_parameter(known.parameters[static_cast<std::size_t>(k)], RoomOf(room));
+    sigma[k] = room.of(known.parameters[static_cast<std::size_t>(k)]);
   return sigma.cwiseAbs2();
 }
 

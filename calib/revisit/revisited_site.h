@@ -13,17 +13,9 @@
 
 namespace octant::calib {
 
-/// Standard deviations that leave room for changes of a usual size, so that arrivals of what changed are not
-/// taken for outliers before anybody knows.
-struct RoomForChange {
-  double beacon_m = 0.3;
-  double delay_s = 5.0e-4;
-  double receiver_m = 0.03;
-  double speed_mps = 10.0;
-  double log_gain = 1.0;
-};
-/// As variances of the parameters [SI]; 0 for those of which no change is looked for.
-[[nodiscard]] Eigen::VectorXd room_for_change(const KnownParameters& known, const RoomForChange& room = {});
+/// Variances of changes of a usual size [SI], which keep arrivals of what changed from being rejected as
+/// outliers before the change is known; 0 for parameters of which no change is looked for.
+[[nodiscard]] Eigen::VectorXd room_for_change(const KnownParameters& known);
 
 /// The site as an earlier calibration left it, for a second visit: everything that it knows is free, control
 /// points too, each with its own variance as a prior. Beacons that it did not determine have none.

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "models/changes/change_sigmas.h"
 #include "models/changes/chi_square.h"
-#include "models/support/unit_diagonal.h"
 #include "models/trajectory/decompositions.h"
 
 namespace octant {
@@ -52,18 +52,22 @@ class ChangeSearcher {
 
  private:
   [[nodiscard]] ChangeFit fit(const Held& held) const {
-    constexpr double kSingular = 1e-8;
     std::vector<int> columns;
-    for (const std::size_t k : held)
+    std::vector<double> sigmas;
+    for (const std::size_t k : held) {
       columns.insert(columns.end(), hypotheses_[k].columns.begin(), hypotheses_[k].columns.end());
+      sigmas.insert(sigmas.end(), hypotheses_[k].sigma.begin(), hypotheses_[k].sigma.end());
+    }
     ChangeFit out;
     if (columns.empty()) return out;
-    const UnitDiagonal<Eigen::MatrixXd> unit(G_(columns, columns));
-    const SymmetricEigen<Eigen::MatrixXd> eigen(unit.scaled);
-    const Eigen::VectorXd inverse =
-        eigen.eigenvalues().unaryExpr([](double v) { return v > kSingular ? 1.0 / v : 0.0; });
-    out.rank = static_cast<int>((inverse.array() > 0).count());
-    out.covariance = unit.inverse(eigen.eigenvectors(), inverse);
+    // In units of the prior: information of at least one halves a variance, and counts as a freedom.
+    const Eigen::Map<const Eigen::VectorXd> sigma(sigmas.data(), static_cast<Eigen::Index>(sigmas.size()));
+    const SymmetricEigen<Eigen::MatrixXd> eigen(sigma.asDiagonal() * G_(columns, columns) *
+                                                sigma.asDiagonal());
+    const Eigen::VectorXd& information = eigen.eigenvalues();
+    out.rank = static_cast<int>((information.array() > 1.0).count());
+    const Eigen::MatrixXd V = sigma.asDiagonal() * eigen.eigenvectors();
+    out.covariance = V * (information.array().max(0.0) + 1.0).inverse().matrix().asDiagonal() * V.transpose();
     out.estimate = out.covariance * h_(columns);
     out.explained = out.estimate.dot(h_(columns));
     return out;
@@ -150,11 +154,13 @@ std::vector<std::size_t> ChangeSearch::held() const {
 }
 
 std::vector<ChangeHypothesis> change_hypotheses(const KnownParameters& known) {
+  const ChangeSigmas sigmas = released_sigmas(known.speed_mps);
   std::vector<ChangeHypothesis> all;
   for (std::size_t i = 0; i < known.parameters.size(); ++i) {
     const ParameterId& p = known.parameters[i];
     const auto add = [&](ChangeKind kind, int size) {
-      ChangeHypothesis h{kind, p.owner, {}};
+      ChangeHypothesis h{
+          kind, p.owner, {}, std::vector<double>(static_cast<std::size_t>(size), sigmas.of(p))};
       for (int k = 0; k < size; ++k) h.columns.push_back(static_cast<int>(i) + k);
       all.push_back(std::move(h));
     };

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
+#include "models/changes/change_sigmas.h"
 #include "models/changes/chi_square.h"
 #include "models/support/utc_time.h"
 
@@ -13,19 +15,6 @@ namespace octant {
 namespace {
 
 constexpr double kUnobservablePerMetre = 1e-3;
-
-/// Variance of a parameter of which nothing earlier is believed.
-double released_variance(ParameterKind kind) {
-  switch (kind) {
-    case ParameterKind::kBeaconPosition: return 100.0;  // m^2
-    case ParameterKind::kBeaconDelay:
-    case ParameterKind::kReceiverDelay: return 1.0e-4;  // s^2
-    case ParameterKind::kReceiverPosition: return 1.0;  // m^2
-    case ParameterKind::kSpeed: return 900.0;           // (m/s)^2
-    case ParameterKind::kBeaconGain: return 9.0;
-    default: return 0.0;
-  }
-}
 
 double sigma_along(const Eigen::Vector3d& v, const Eigen::Matrix3d& C) {
   const double length = v.norm();
@@ -69,15 +58,25 @@ const DeploymentBeacon& beacon_named(const Deployment& d, const std::string& nam
   return *std::ranges::find(d.beacons, name, &DeploymentBeacon::name);
 }
 
-/// Two that moved to each other's places, to a quarter of the way, became one change.
+/// Whether a change of a delay is that of a beacon which took another one's name.
+bool is_delay_of(const Change& c, const DeploymentBeacon& named, const DeploymentBeacon& device) {
+  constexpr double kSigmas = 4.0;
+  return c.kind == ChangeKind::kDelay && c.subject == named.name &&
+         std::abs(c.size - (device.delay_s - named.delay_s)) <=
+             kSigmas * std::hypot(c.sigma, named.delay_sigma_s, device.delay_sigma_s);
+}
+
+/// Two that moved to each other's places, to a quarter of the way, became one change. Their delays went with
+/// them.
 void name_exchanges(const Deployment& d, std::vector<Change>& changes) {
   constexpr double kNear = 0.25;
+  std::vector<std::pair<const DeploymentBeacon*, const DeploymentBeacon*>> exchanged;
   for (std::size_t i = 0; i < changes.size(); ++i)
     for (std::size_t j = i + 1; j < changes.size(); ++j) {
       Change &a = changes[i], &b = changes[j];
       if (a.kind != ChangeKind::kBeaconMoved || b.kind != ChangeKind::kBeaconMoved) continue;
-      const Eigen::Vector3d way =
-          beacon_named(d, b.subject).position_m - beacon_named(d, a.subject).position_m;
+      const DeploymentBeacon &one = beacon_named(d, a.subject), &other = beacon_named(d, b.subject);
+      const Eigen::Vector3d way = other.position_m - one.position_m;
       if (std::max((a.shift_m - way).norm(), (b.shift_m + way).norm()) > kNear * way.norm()) continue;
       a.kind = ChangeKind::kExchanged;
       a.subject += ", " + b.subject;
@@ -85,8 +84,13 @@ void name_exchanges(const Deployment& d, std::vector<Change>& changes) {
       a.sigma = std::max(a.sigma, b.sigma);
       a.p = std::max(a.p, b.p);
       changes.erase(changes.begin() + static_cast<std::ptrdiff_t>(j));
+      exchanged.emplace_back(&one, &other);
       break;
     }
+  for (const auto& [one, other] : exchanged)
+    std::erase_if(changes, [&one = *one, &other = *other](const Change& c) {
+      return is_delay_of(c, one, other) || is_delay_of(c, other, one);
+    });
 }
 
 /// Whether anything holds the map: of a free network the covariance says nothing of its place.
@@ -140,6 +144,7 @@ struct CommonParameters {
 
 KnownParameters part_of_known(const KnownParameters& known, const std::vector<int>& which) {
   KnownParameters part;
+  part.speed_mps = known.speed_mps;
   for (const int i : which) part.parameters.push_back(known.parameters[static_cast<std::size_t>(i)]);
   part.value = known.value(which);
   part.covariance = known.covariance(which, which);
@@ -200,21 +205,29 @@ Innovation second_visit(const CommonParameters& common, const Deployment& before
 
 }  // namespace
 
-Comparison compare(const Deployment& before, const KnownParameters& known, const Innovation& innovation) {
+Comparison compare(const Deployment& before, const KnownParameters& known, const Innovation& innovation,
+                   const std::function<bool(const ChangeHypothesis&)>& is_possible) {
   Comparison out;
   out.hypotheses = change_hypotheses(known);
+  if (is_possible) std::erase_if(out.hypotheses, [&](const ChangeHypothesis& h) { return !is_possible(h); });
   const Eigen::MatrixXd T = map_motions(known, before.motion);
   Innovation innovation_seen = innovation;
   if (frame_is_held(before)) {
-    ChangeHypothesis datum{ChangeKind::kDatum, 0, {}};
-    for (Eigen::Index k = 0; k < T.cols(); ++k) datum.columns.push_back(static_cast<int>(known.size() + k));
+    ChangeHypothesis datum{ChangeKind::kDatum, 0, {}, {}};
+    for (Eigen::Index k = 0; k < T.cols(); ++k) {
+      datum.columns.push_back(static_cast<int>(known.size() + k));
+      datum.sigma.push_back(released_sigmas(known.speed_mps).beacon_m);
+    }
     out.hypotheses.push_back(std::move(datum));
     innovation_seen = with_directions(innovation, T);
   } else {
     innovation_seen = free_of(innovation, T);
   }
   if (const Eigen::VectorXd delay = common_delay(known); delay.size() > 0) {
-    out.hypotheses.push_back({ChangeKind::kDelay, kAllBeacons, {static_cast<int>(innovation_seen.B.cols())}});
+    out.hypotheses.push_back({ChangeKind::kDelay,
+                              kAllBeacons,
+                              {static_cast<int>(innovation_seen.B.cols())},
+                              {released_sigmas(known.speed_mps).delay_s}});
     innovation_seen = with_directions(innovation_seen, delay);
   }
   out.search = search_changes(innovation_seen, out.hypotheses, moves_of_free_beacons(before, out.hypotheses));
@@ -262,14 +275,19 @@ Released changed_parameters(const Comparison& comparison, const KnownParameters&
 }
 
 Eigen::MatrixXd released_covariance(const KnownParameters& known, const Released& released, Motion motion) {
+  const ChangeSigmas sigmas = released_sigmas(known.speed_mps);
   Eigen::MatrixXd W = Eigen::MatrixXd::Zero(known.size(), known.size());
   for (const ParameterId& id : released.parameters)
-    if (const int i = known.index_of(id); i >= 0) W(i, i) = released_variance(id.kind);
+    if (const int i = known.index_of(id); i >= 0) W(i, i) = std::pow(sigmas.of(id), 2);
   if (released.datum) {
     const Eigen::MatrixXd T = map_motions(known, motion);
-    W += released_variance(ParameterKind::kBeaconPosition) * T * T.transpose();
+    W += std::pow(sigmas.beacon_m, 2) * T * T.transpose();
   }
   return W;
+}
+
+Drift drift_between(const Deployment& before, const std::string& now) {
+  return drift_after(months_between(before.created, now), before.speed_mps(before.medium.temperature_degC));
 }
 
 double months_between(const std::string& before, const std::string& now) {

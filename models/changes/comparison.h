@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "models/changes/change_search.h"
@@ -23,8 +24,10 @@ struct Comparison {
 /// it; of a free network (inner constraints) the place has no meaning, and the comparison is free of it. Two
 /// beacons that moved to each other's places are named as exchanged.
 /// @param before  names and places  @param known  of it, as the innovation has its parameters
+/// @param is_possible  whether a change is looked for; empty: all are
 [[nodiscard]] Comparison compare(const Deployment& before, const KnownParameters& known,
-                                 const Innovation& innovation);
+                                 const Innovation& innovation,
+                                 const std::function<bool(const ChangeHypothesis&)>& is_possible = {});
 
 /// The changes between two deployments of a site, of all that both have. Where `now` was made of `before` by
 /// a recalibration their errors hang together, and what the second visit said on its own is taken out of it
@@ -42,6 +45,8 @@ struct Comparison {
 /// believed.
 [[nodiscard]] Eigen::MatrixXd released_covariance(const KnownParameters& known, const Released& released,
                                                   Motion motion);
+/// Drift of a deployment's numbers until an instant, ISO 8601.
+[[nodiscard]] Drift drift_between(const Deployment& before, const std::string& now);
 /// What so many months are between two instants in ISO 8601; 0 where one of them cannot be read or the second
 /// comes first.
 [[nodiscard]] double months_between(const std::string& before, const std::string& now);

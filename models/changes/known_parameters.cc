@@ -83,6 +83,7 @@ Eigen::MatrixXd separate_covariance(const KnownParameters& known, const Deployme
 
 KnownParameters known_parameters(const Deployment& d) {
   KnownParameters known;
+  known.speed_mps = d.speed_mps(d.medium.temperature_degC);
   known.parameters = parameters_of(d);
   const auto n = static_cast<Eigen::Index>(known.parameters.size());
   known.value.resize(n);

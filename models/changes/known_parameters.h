@@ -16,6 +16,7 @@ struct KnownParameters {
   std::vector<ParameterId> parameters;
   Eigen::VectorXd value;
   Eigen::MatrixXd covariance;  ///< zero rows: held fixed
+  double speed_mps = 343.0;    ///< of the medium, for what delays are worth
 
   [[nodiscard]] Eigen::Index size() const { return value.size(); }
   /// Where a parameter stands; -1: not known.

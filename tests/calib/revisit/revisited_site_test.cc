@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
 
+#include "models/changes/change_sigmas.h"
 #include "models/simulator/random.h"
 #include "tests/calib/revisit/calibrated_hall.h"
 
@@ -89,15 +90,14 @@ TEST(RevisitedSite, OfABeaconThatWasNotDeterminedKnowsNothing) {
 
 TEST(RoomForChange, IsAVarianceOfWhatIsLookedFor) {
   const KnownParameters known = known_parameters(calibrated_hall(true));
-  const calib::RoomForChange room{
-      .beacon_m = 2.0, .delay_s = 3.0, .receiver_m = 5.0, .speed_mps = 7.0, .log_gain = 11.0};
-  const Eigen::VectorXd variance = calib::room_for_change(known, room);
+  const ChangeSigmas room = usual_changes(known.speed_mps);
+  const Eigen::VectorXd variance = calib::room_for_change(known);
   const auto at = [&](const ParameterId& id) { return variance[known.index_of(id)]; };
-  EXPECT_EQ(at(parameters::beacon_position(0, 1)), 4.0);
-  EXPECT_EQ(at(parameters::beacon_delay(3)), 9.0);
-  EXPECT_EQ(at(parameters::receiver_position(2, 2)), 25.0);
-  EXPECT_EQ(at(parameters::speed()), 49.0);
-  EXPECT_EQ(at(parameters::beacon_gain(1)), 121.0);
+  EXPECT_DOUBLE_EQ(at(parameters::beacon_position(0, 1)), room.beacon_m * room.beacon_m);
+  EXPECT_DOUBLE_EQ(at(parameters::beacon_delay(3)), room.delay_s * room.delay_s);
+  EXPECT_DOUBLE_EQ(at(parameters::receiver_position(2, 2)), room.receiver_m * room.receiver_m);
+  EXPECT_DOUBLE_EQ(at(parameters::speed()), room.speed_mps * room.speed_mps);
+  EXPECT_DOUBLE_EQ(at(parameters::beacon_gain(1)), room.log_gain * room.log_gain);
   EXPECT_EQ(at(parameters::receiver_delay(1)), 0.0);
   EXPECT_EQ(at(parameters::attenuation(0)), 0.0);
 }

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "models/changes/change.h"
+#include "models/parameter.h"
+
+namespace octant {
+
+/// Standard deviations of changes, one for each kind of parameter of which a change is looked for.
+struct ChangeSigmas {
+  double beacon_m = 0.0;  ///< per axis
+  double delay_s = 0.0;
+  double receiver_m = 0.0;  ///< per axis
+  double speed_mps = 0.0;
+  double log_gain = 0.0;
+
+  /// 0 for parameters of which no change is looked for.
+  [[nodiscard]] double of(const ParameterId& parameter) const;
+};
+
+/// Media differ in noise, and delays are worth range by their speed.
+enum class MediumKind { kAir, kWater, kRadio };
+[[nodiscard]] MediumKind medium_kind(double speed_mps);
+
+/// Changes of a usual size: somebody moved or replaced something.
+[[nodiscard]] ChangeSigmas usual_changes(double speed_mps);
+/// Prior of a parameter that is known to have changed: nothing earlier is believed.
+[[nodiscard]] ChangeSigmas released_sigmas(double speed_mps);
+
+/// Drift between two visits that are so many months apart: in quadrature, the differences between two visits
+/// of one day and a part that grows with time, as settling and ageing do. Both are given for the kind of
+/// medium; delays drift by a range, which the speed of the medium turns into a time.
+///
+/// | kind  | beacon, delay, receiver, speed at once | a year                      |
+/// |-------|----------------------------------------|-----------------------------|
+/// | air   | 1, 1, 0.5 mm, 0.3 m/s                  | 1.2, 1.2, 0.6 mm, 0.36 m/s  |
+/// | water | 20, 10, 5 mm, 0.5 m/s                  | 100, 20, 5 mm, 0.5 m/s      |
+/// | radio | 5, 20, 2 mm, 0.3 m/s                   | 5, 30, 2 mm, 0.36 m/s       |
+///
+/// @param speed_mps  of the medium
+[[nodiscard]] Drift drift_after(double months, double speed_mps);
+
+}  // namespace octant
