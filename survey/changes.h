@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "models/changes/comparison.h"
+#include "models/changes/reception.h"
 #include "models/deployment.h"
 
 namespace octant::survey {
@@ -44,7 +45,8 @@ struct Changes {
       doubted_control_points;  ///< fixed at their stated positions, but their delays changed significantly
   std::optional<double> speed_change_mps;  ///< at the new one's reference temperature
   double speed_sigma_mps = 0.0;
-  std::vector<std::string> silent;  ///< beacons and receivers that a visit expected and did not receive
+  std::vector<Silence> silent;            ///< beacons and receivers received far less than expected
+  std::vector<std::string> not_observed;  ///< beacons out of reach during the second visit
 };
 
 /// Compares two deployments. Changes are tested jointly, independent of the datum and with the drift that the
@@ -54,6 +56,8 @@ struct Changes {
 /// With the drift of the time between them.
 [[nodiscard]] Changes changes_between(const Deployment& before, const Deployment& now);
 
+/// "412 arrivals were expected from 301 s on, and 0 received".
+[[nodiscard]] std::string reception_words(const Silence& silence);
 /// Number of moved beacons and of changed delays, in a sentence.
 [[nodiscard]] std::string changes_sentence(const Changes& changes);
 

@@ -8,7 +8,7 @@
 #include "calib/problem/log_totals.h"
 #include "calib/problem/ranges.h"
 #include "calib/problem/trilaterate.h"
-#include "calib/verdict/hearing_pairs.h"
+#include "calib/revisit/receptions.h"
 
 namespace octant::calib {
 namespace {
@@ -52,85 +52,32 @@ std::vector<Heard> heard_of_each(std::size_t count, const std::vector<Trajectory
   return all;
 }
 
-/// Arrivals of each beacon or by each receiver, whatever became of them.
-template <class Owner>
-std::vector<std::size_t> arrivals_of_each(std::size_t count, const std::vector<Trajectory>& trajectories,
-                                          Owner&& owner) {
-  std::vector<std::size_t> n(count, 0);
-  for (const Trajectory& t : trajectories)
-    for (const ArrivalObservation& a : t.arrivals) ++n[owner(a)];
-  return n;
-}
-
-/// Distances from beacons to the places where something was heard, with whether each was heard there.
-struct HearingPair {
-  std::size_t beacon = 0;
-  double distance_m = 0.0;
-  bool heard = false;
-};
-std::vector<HearingPair> hearing_pairs(const Deployment& before,
-                                       const std::vector<Trajectory>& trajectories) {
-  std::vector<HearingPair> pairs;
-  for (const Trajectory& t : trajectories)
-    for_each_hearing_pair(
-        t, before.beacons, 1, [](const ArrivalObservation&) { return true; },
-        [&](std::size_t b, double distance_m, bool heard) {
-          pairs.push_back({b, distance_m, heard});
-        });
-  return pairs;
+/// Adds what was received and expected of each.
+std::vector<Heard> with_receptions(std::vector<Heard> heard, const std::vector<Reception>& receptions) {
+  for (std::size_t i = 0; i < heard.size(); ++i) {
+    heard[i].reception = receptions[i];
+    heard[i].reception.silence.subject = heard[i].name;
+  }
+  return heard;
 }
 
 }  // namespace
 
-std::vector<std::string> silent_beacons(const Deployment& before,
-                                        const std::vector<Trajectory>& trajectories) {
-  // Beyond the reach nothing is missed; a beacon behind obstacles is no beacon that is off, so that the
-  // others have to be heard from most places.
-  constexpr double kMostDistances = 0.95, kMostHeard = 0.5, kMissed = 5.0;
-  const std::vector<std::size_t> arrivals = arrivals_of_each(
-      before.beacons.size(), trajectories, [](const ArrivalObservation& a) { return a.beacon.index(); });
-  if (std::ranges::find(arrivals, 0U) == arrivals.end()) return {};
-  const std::vector<HearingPair> pairs = hearing_pairs(before, trajectories);
-  std::vector<double> heard_m;
-  for (const HearingPair& p : pairs)
-    if (p.heard) heard_m.push_back(p.distance_m);
-  if (heard_m.empty()) return {};
-  double reach_m = nth_smallest(
-      heard_m, static_cast<std::size_t>(kMostDistances * static_cast<double>(heard_m.size() - 1)));
-  if (before.validity_reach_m) reach_m = std::min(reach_m, *before.validity_reach_m);
-  double near = 0.0, near_heard = 0.0;
-  std::vector<double> expected(arrivals.size(), 0.0);
-  for (const HearingPair& p : pairs) {
-    if (p.distance_m > reach_m) continue;
-    expected[p.beacon] += 1.0;
-    if (arrivals[p.beacon] == 0) continue;
-    near += 1.0;
-    near_heard += p.heard ? 1.0 : 0.0;
-  }
-  std::vector<std::string> silent;
-  for (std::size_t b = 0; b < arrivals.size(); ++b)
-    if (arrivals[b] == 0 && near_heard > kMostHeard * near && expected[b] * near_heard > kMissed * near)
-      silent.push_back(before.beacons[b].name);
+std::vector<Silence> silent_of(const std::vector<Heard>& beacons, const std::vector<Heard>& receivers) {
+  std::vector<Silence> silent;
+  for (const std::vector<Heard>* list : {&beacons, &receivers})
+    for (const Heard& h : *list)
+      if (h.reception.is_silent) silent.push_back(h.reception.silence);
   return silent;
 }
 
-std::vector<std::string> silent_receivers(const Deployment& before,
-                                          const std::vector<Trajectory>& trajectories) {
-  constexpr std::size_t kEnough = 20;  ///< arrivals by each of the others
-  const std::vector<std::size_t> arrivals = arrivals_of_each(
-      before.receivers.size(), trajectories, [](const ArrivalObservation& a) { return a.receiver.index(); });
-  std::vector<std::string> silent;
-  for (std::size_t r = 0; r < arrivals.size(); ++r) {
-    std::size_t others = 0, taken = 0;
-    for (std::size_t o = 0; o < arrivals.size(); ++o)
-      if (before.receivers[o].vehicle == before.receivers[r].vehicle && arrivals[o] > 0) {
-        ++others;
-        taken += arrivals[o];
-      }
-    if (arrivals[r] == 0 && others > 0 && taken >= kEnough * others)
-      silent.push_back(receiver_path(r, names_of(before)));
-  }
-  return silent;
+std::vector<std::string> not_observed_of(const Deployment& before, const std::vector<Heard>& beacons) {
+  std::vector<std::string> names;
+  for (std::size_t b = 0; b < beacons.size(); ++b)
+    if (beacons[b].reception.received == 0 && !beacons[b].reception.is_silent &&
+        before.beacons[b].status != BeaconStatus::kUndetermined)
+      names.push_back(beacons[b].name);
+  return names;
 }
 
 std::vector<std::size_t> doubtful_beacons(const Deployment& before,
@@ -165,25 +112,28 @@ bool turn_to_known_side(const Deployment& before, const ParameterLayout& layout,
 std::vector<Heard> heard_of_beacons(const Deployment& before, const std::vector<Trajectory>& trajectories,
                                     const SharedState& now) {
   const SharedState then = shared_state(before);
-  return heard_of_each(
-      before.beacons.size(), trajectories, now, [&](std::size_t b) { return before.beacons[b].name; },
-      [&](std::size_t b, SharedState& state) {
-        if (before.beacons[b].status != BeaconStatus::kUndetermined) set_beacon(state, b, then);
-      },
-      [](const ArrivalObservation& a) { return a.beacon.index(); });
+  return with_receptions(
+      heard_of_each(
+          before.beacons.size(), trajectories, now, [&](std::size_t b) { return before.beacons[b].name; },
+          [&](std::size_t b, SharedState& state) {
+            if (before.beacons[b].status != BeaconStatus::kUndetermined) set_beacon(state, b, then);
+          },
+          [](const ArrivalObservation& a) { return a.beacon.index(); }),
+      receptions_of_beacons(before, trajectories));
 }
 
 std::vector<Heard> heard_by_receivers(const Deployment& before, const std::vector<Trajectory>& trajectories,
                                       const SharedState& now) {
   const SharedState then = shared_state(before);
-  return heard_of_each(
-      before.receivers.size(), trajectories, now,
-      [&](std::size_t r) { return receiver_path(r, names_of(before)); },
-      [&](std::size_t r, SharedState& state) {
-        state.receiver_p_vehicle_m[r] = then.receiver_p_vehicle_m[r];
-        state.receiver_delay_s[r] = then.receiver_delay_s[r];
-      },
-      [](const ArrivalObservation& a) { return a.receiver.index(); });
+  return with_receptions(heard_of_each(
+                             before.receivers.size(), trajectories, now,
+                             [&](std::size_t r) { return receiver_path(r, names_of(before)); },
+                             [&](std::size_t r, SharedState& state) {
+                               state.receiver_p_vehicle_m[r] = then.receiver_p_vehicle_m[r];
+                               state.receiver_delay_s[r] = then.receiver_delay_s[r];
+                             },
+                             [](const ArrivalObservation& a) { return a.receiver.index(); }),
+                         receptions_by_receivers(before, trajectories));
 }
 
 }  // namespace octant::calib

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calib/problem/parameters.h"
+#include "models/changes/reception.h"
 #include "models/deployment.h"
 #include "models/trajectory/shared_state.h"
 #include "models/trajectory/trajectory.h"
@@ -19,15 +20,15 @@ struct Heard {
   std::size_t used = 0, late = 0, early = 0;
   double misfit_s = 0.0;  ///< median over its arrivals of observed less predicted, were it as the earlier
                           ///< calibration left it
+  Reception reception;    ///< arrivals received and expected
 };
 
-/// Beacons of which nothing at all was heard, though those beside them were where it would have been:
-/// switched off, covered or taken away. @return by name
-[[nodiscard]] std::vector<std::string> silent_beacons(const Deployment& before,
-                                                      const std::vector<Trajectory>& trajectories);
-/// Receivers that took nothing while others of their vehicle did. @return by name, "robot/r0"
-[[nodiscard]] std::vector<std::string> silent_receivers(const Deployment& before,
-                                                        const std::vector<Trajectory>& trajectories);
+/// Beacons and receivers that were received far less than expected.
+[[nodiscard]] std::vector<Silence> silent_of(const std::vector<Heard>& beacons,
+                                             const std::vector<Heard>& receivers);
+/// Beacons without any arrival that are not silent: out of reach along this path.
+[[nodiscard]] std::vector<std::string> not_observed_of(const Deployment& before,
+                                                       const std::vector<Heard>& beacons);
 
 /// Beacons that lost many of their arrivals, so that their places are in doubt; most doubtful first.
 [[nodiscard]] std::vector<std::size_t> doubtful_beacons(const Deployment& before,

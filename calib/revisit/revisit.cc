@@ -10,39 +10,48 @@
 
 #include <fmt/format.h>
 
-#include "calib/adjust/priors.h"
 #include "calib/adjust/reject.h"
 #include "calib/errors/statistics.h"
 #include "calib/problem/log_totals.h"
-#include "calib/problem/ranges.h"
-#include "calib/problem/trilaterate.h"
 #include "calib/revisit/as_left.h"
+#include "calib/revisit/evidence.h"
 #include "calib/revisit/revisited_site.h"
 #include "calib/revisit/stretches.h"
+#include "calib/revisit/visit_fit.h"
 #include "calib/revisit/visit_information.h"
-#include "calib/start/approach.h"
 #include "calib/start/start.h"
 #include "calib/stream/long_log.h"
 #include "calib/verdict/conclude.h"
 #include "calib/verdict/observability.h"
+#include "models/changes/chi_square.h"
 #include "models/support/parallel.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {
 namespace {
 
-constexpr int kRounds = 4;
-/// Arrivals of a drive that tell what changed as well as all do; the rest only makes it sharper.
+constexpr int kRounds = 6;
+/// Arrivals of a drive that show what changed; the others only make it more precise.
 constexpr std::size_t kEnoughArrivals = 3'000;
 constexpr int kPassesOfAll = 2;
-constexpr double kRangeUncertaintyM =
-    0.05;  ///< by which ranges may be off while a drive is tracked by what was known
-constexpr std::size_t kFewestRanges = 10;  ///< that locate a beacon
 /// Of the air where no thermometer was read: some ten degrees.
 constexpr double kUnknownTemperature_mps = 6.0;
 constexpr std::size_t kMostReconsidered = 3;  ///< beacons one by one: each is an adjustment
 /// Changes that chance makes less often leave something unexplained.
 constexpr double kUnexplained = 1.0e-4;
+/// Arrivals of a visit that hardly determine all changes at once, so that these are tried one by one.
+constexpr std::size_t kFewArrivals = 1'000;
+/// Twice the log-likelihood ratio from which more changes are a better explanation than fewer.
+constexpr double kClearlyBetter = 10.0;
+constexpr int kMostTried = 3;  ///< changes of a visit of few arrivals
+
+using Standing = VisitFit::Standing;
+/// Changes that may explain a visit, and what the visit says if they do.
+struct Explanation {
+  Standing standing;
+  VisitInformation visit;
+  Comparison comparison;
+};
 
 class SecondVisit {
  public:
@@ -51,7 +60,8 @@ class SecondVisit {
         options_(options),
         known_(known_parameters(before)),
         began_(Clock::now()),
-        monitor_(options.solve) {}
+        monitor_(options.solve),
+        fit_(before_, known_, options_.solve) {}
 
   Result<Revisit> run(std::vector<MeasurementLog> runs) {
     out_.medium = thermometer_of(before_, runs);
@@ -59,9 +69,10 @@ class SecondVisit {
     if (!out_.medium.temperature_known)
       out_.drift.speed_mps = std::hypot(out_.drift.speed_mps, kUnknownTemperature_mps);
     drift_ = drift_variances(known_, out_.drift);
-    const Eigen::VectorXd room = room_for_change(known_);
-    auto problem = make_problem(revisited_site(before_, known_, known_.covariance.diagonal() + drift_ + room),
-                                std::move(runs), options_.solve.threads);
+    room_ = room_for_change(known_);
+    auto problem =
+        make_problem(revisited_site(before_, known_, known_.covariance.diagonal() + drift_ + room_),
+                     std::move(runs), options_.solve.threads);
     if (!problem) return fail(problem.error());
     problem_ = std::move(*problem);
     if (is_long(problem_) && has_stops_alone(problem_))
@@ -72,8 +83,7 @@ class SecondVisit {
         !some.empty())
       if (auto made = make_problem(problem_.site, std::move(some), options_.solve.threads))
         part = std::move(*made);
-    if ((start_from_known(part ? *part : problem_, room) || start(part ? *part : problem_)) &&
-        find_changes(room) && (!part || refine_on_all_arrivals()))
+    if (find_best_explanation(part ? *part : problem_) && (!part || refine_on_all_arrivals()))
       conclude_visit();
     out_.seconds = std::chrono::duration<double>(Clock::now() - began_).count();
     return std::move(out_);
@@ -81,13 +91,6 @@ class SecondVisit {
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// Where the adjustment stands.
-  struct Standing {
-    Fit fit;
-    CalibrationStatistics statistics;
-    double sigma_s = 0.0;  ///< noise of the arrivals as found
-    [[nodiscard]] double squares() const { return fit.cost * sigma_s * sigma_s; }
-  };
 
   bool stopped() {
     out_.status = SolveStatus::kInterrupted;
@@ -95,90 +98,139 @@ class SecondVisit {
     return false;
   }
 
-  void set_start(const Problem& problem, const SharedState& state, std::vector<bool> usable,
-                 std::vector<Trajectory> trajectories) {
-    layout_ = make_layout(problem, state, usable);
-    now_.fit = Fit();
-    now_.fit.problem = without_recordings(problem);
-    now_.fit.x = layout_.vector_of(state);
-    now_.fit.layout = layout_;
-    now_.fit.beacon_usable = std::move(usable);
-    now_.fit.trajectories = std::move(trajectories);
-    now_.sigma_s = problem.site.noise.tof_sigma_s;
-  }
-
-  /// States are placed by what was known: most of it still holds, and a beacon that hangs elsewhere
-  /// altogether is then located by its ranges. False where that leads nowhere.
-  bool start_from_known(const Problem& problem, const Eigen::VectorXd& room) {
-    if (!monitor_.report("initial values", 0.02)) return false;
-    const SharedState state = shared_state(before_);
-    std::vector<bool> usable;
-    for (const DeploymentBeacon& b : before_.beacons)
-      usable.push_back(b.status != BeaconStatus::kUndetermined);
-    set_start(problem, state, std::move(usable), problem.trajectories);
-    static_cast<void>(place_missing());
-    const auto is_placed = [](const Node& n) { return n.placed; };
-    if (std::ranges::none_of(now_.fit.trajectories,
-                             [&](const Trajectory& t) { return std::ranges::any_of(t.nodes, is_placed); }))
+  /// Explanations compete: changes found with room for all of them at once, none or those that follow from
+  /// none, and for few arrivals those that explain most one by one. Few arrivals do not determine all changes
+  /// at once, and then none is believed before it explains more than its price.
+  bool find_best_explanation(const Problem& problem) {
+    if (!monitor_.report("initial values", 0.02)) return stopped();
+    std::optional<Standing> at_known;
+    if (fit_.start_from_known(problem)) at_known = fit_.now;
+    const bool is_started =
+        at_known && fit_.adjust_under(drifted() + Eigen::MatrixXd(room_.asDiagonal())) && relocate();
+    if (!is_started && !start_from_consensus(problem)) return false;
+    std::optional<Explanation> best;
+    if (find_changes_at_once()) best = explanation();
+    if (at_known && !is_interrupted()) compare_with_known(std::move(*at_known), best);
+    if (is_interrupted()) return false;
+    if (!best) {
+      out_.message = fit_.message;
+      if (fit_.arrival_count() <= kFewArrivals) {
+        out_.status = SolveStatus::kUndetermined;
+        out_.message = "no change can be judged: " + out_.message;
+        out_.remedy = "more stops, each with several arrivals of at least five beacons";
+      }
       return false;
-    const Eigen::MatrixXd P = drifted() + Eigen::MatrixXd(room.asDiagonal());
-    if (!adjust_under(P)) return false;
-    if (place_missing() && !adjust_under(P)) return false;
-    locate_lost();
+    }
+    fit_.now = std::move(best->standing);
+    visit_ = std::move(best->visit);
+    out_.comparison = std::move(best->comparison);
     return true;
   }
 
-  /// States that have no value, by the parameters as they stand. In other air many are missed at first.
-  bool place_missing() {
-    const EpochFixModel model = search_model(now_.fit.problem, now_.fit.state(), now_.fit.beacon_usable);
-    std::size_t placed = 0;
-    for (Trajectory& t : now_.fit.trajectories)
-      placed += place_states(t, model, kRangeUncertaintyM, false, 0.0, options_.solve.threads);
-    return placed > 0;
+  [[nodiscard]] bool is_interrupted() const { return out_.status == SolveStatus::kInterrupted; }
+  bool relocate() {
+    if (fit_.place_missing() && !fit_.adjust_under(drifted() + Eigen::MatrixXd(room_.asDiagonal())))
+      return false;
+    fit_.locate_lost();
+    return true;
   }
 
-  /// A beacon at another place, with the delay that it had.
-  void put(std::size_t b, const Eigen::Vector3d& p_map_m) {
-    layout_.set_place(b, p_map_m, now_.fit.x);
-    if (const int c = layout_.column_of(parameters::beacon_delay(b)); c >= 0)
-      now_.fit.x[c] = before_.beacons[b].delay_s / layout_.parameter(c).si_per_unit;
+  bool start_from_consensus(const Problem& problem) {
+    const Solution found = fit_.start_from_consensus(problem, monitor_);
+    if (found.status == SolveStatus::kConverged) return true;
+    out_.status = found.status;
+    out_.message = found.message;
+    if (!found.weak.empty()) out_.remedy = found.weak.front().remedy;
+    return false;
   }
 
-  /// Beacons most of whose arrivals do not fit, from the vehicle's states by their own ranges.
-  /// @return whether one was placed anew
-  bool locate_lost() {
-    bool any = false;
-    const std::vector<RejectionCounts> counts =
-        rejections_by_beacon(now_.fit.trajectories, before_.beacons.size());
-    const SharedState state = now_.fit.state();
-    for (std::size_t b = 0; b < counts.size(); ++b) {
-      const std::size_t used = counts[b].of(Rejection::kUsed);
-      if (counts[b].outliers() <= std::max(used, kFewestRanges) || layout_.beacon[b][0] < 0) continue;
-      TrilaterationOptions options;
-      options.guess = before_.beacons[b].position_m;
-      options.scale_m = 0.01 * now_.fit.problem.typical_range_m;
-      options.above = before_.motion == Motion::kPlanar;
-      const Trilateration found = trilaterate(ranges_to(now_.fit.trajectories, state, BeaconId(b)), options);
-      if (!found.ok) continue;
-      any = true;
-      put(b, found.p_map_m);
+  [[nodiscard]] Explanation explanation() const { return {fit_.now, visit_, out_.comparison}; }
+
+  /// Squares left and the price of the changes, at some noise.
+  [[nodiscard]] double score(const Explanation& e, double sigma_s) const {
+    return truncated_squares(e.standing.fit, options_.solve.rejection_sigmas, e.standing.sigma_s / sigma_s) +
+           price_of(e.comparison.search);
+  }
+
+  /// Explanations that start from what was known, and the best of all.
+  void compare_with_known(Standing at_known, std::optional<Explanation>& best) {
+    fit_.now = std::move(at_known);
+    if (best) fit_.scale_noise(best->standing.sigma_s / fit_.now.sigma_s);
+    if (!adjust_to_known()) return;
+    const Standing start = fit_.now;
+    std::vector<Released> starts = {{}};
+    if (fit_.arrival_count() <= kFewArrivals)
+      if (Released some = changes_one_by_one(start); some != Released{}) starts.push_back(std::move(some));
+    for (const Released& released : starts) {
+      fit_.now = start;
+      if (!explain(released, VisitFit::Noise::kFixed)) continue;
+      Explanation found = explanation();
+      const double margin =
+          best && found.comparison.changes.size() < best->comparison.changes.size() ? kClearlyBetter : 0.0;
+      if (!best || score(found, start.sigma_s) <= score(*best, start.sigma_s) + margin)
+        best = std::move(found);
     }
-    return any;
+  }
+
+  /// Adjusts with nothing released. Few arrivals show their noise only while nothing is released.
+  bool adjust_to_known() {
+    const Eigen::MatrixXd prior = drifted();
+    if (!fit_.adjust_under(prior, VisitFit::Noise::kFixed)) return false;
+    if (fit_.place_missing() && !fit_.adjust_under(prior, VisitFit::Noise::kFixed)) return false;
+    const double factor = agreeing_sigma(fit_.now.fit.trajectories, fit_.now.fit.state());
+    if (!is_far_off(factor)) return true;
+    fit_.scale_noise(factor);
+    return fit_.adjust_under(prior, VisitFit::Noise::kFixed);
+  }
+
+  /// The changes that explain most when each is released alone, added one by one.
+  [[nodiscard]] Released changes_one_by_one(const Standing& start) {
+    const double limit = options_.solve.rejection_sigmas;
+    const std::vector<ChangeHypothesis> hypotheses = change_hypotheses(known_);
+    Released released;
+    Standing from = start;
+    for (int k = 0; k < kMostTried; ++k) {
+      double best = truncated_squares(from.fit, limit, 1.0);
+      std::optional<Standing> better;
+      Released with_better;
+      for (const ChangeHypothesis& h : hypotheses) {
+        const auto freedoms = static_cast<int>(h.columns.size());
+        const double price =
+            chi_square_beyond(kFalseAlarm / static_cast<double>(hypotheses.size()), freedoms);
+        if (possible_gain(from.fit, h, limit) < price) continue;
+        Released with = released;
+        for (const int i : h.columns)
+          with.parameters.push_back(known_.parameters[static_cast<std::size_t>(i)]);
+        fit_.now = from;
+        if (!fit_.adjust_under(drifted() + released_covariance(known_, with, before_.motion),
+                               VisitFit::Noise::kFixed))
+          continue;
+        const double left = truncated_squares(fit_.now.fit, limit, 1.0) + price;
+        if (left >= best || !is_supported(fit_.now.fit, before_, h, limit)) continue;
+        best = left;
+        better = fit_.now;
+        with_better = std::move(with);
+      }
+      if (!better) break;
+      from = std::move(*better);
+      released = std::move(with_better);
+    }
+    return released;
   }
 
   /// Holds beacons where they hung before; takes that back unless it explains more.
   [[nodiscard]] bool hold(const std::vector<std::size_t>& beacons, Standing& best, Eigen::MatrixXd& room) {
     Eigen::MatrixXd held = room;
-    for (const std::size_t b : beacons) put(b, before_.beacons[b].position_m);
+    for (const std::size_t b : beacons) fit_.put(b, before_.beacons[b].position_m);
     for (Eigen::Index i = 0; i < known_.size(); ++i)
       for (const std::size_t b : beacons)
         if (beacon_of(known_.parameters[static_cast<std::size_t>(i)]) == b) held(i, i) = 0.0;
-    const bool better = adjust_under(drifted() + held) && now_.squares() < best.squares();
+    const bool better = fit_.adjust_under(drifted() + held) && fit_.now.squares() < best.squares();
     if (better) {
-      best = now_;
+      best = fit_.now;
       room = std::move(held);
     } else {
-      now_ = best;
+      fit_.now = best;
     }
     return better;
   }
@@ -189,87 +241,73 @@ class SecondVisit {
   /// did move would lose most of them.
   /// @param room  of changes beside the drift  @return the room that is left
   [[nodiscard]] Eigen::MatrixXd reconsidered(Eigen::MatrixXd room) {
-    std::vector<std::size_t> doubtful = doubtful_beacons(before_, now_.fit.trajectories);
+    std::vector<std::size_t> doubtful = doubtful_beacons(before_, fit_.now.fit.trajectories);
     if (doubtful.empty()) return room;
-    Standing best = now_;
+    Standing best = fit_.now;
     if (hold(doubtful, best, room) || doubtful.size() == 1) return room;
     doubtful.resize(std::min(doubtful.size(), kMostReconsidered));
     for (const std::size_t b : doubtful) static_cast<void>(hold({b}, best, room));
     return room;
   }
 
-  /// Approximate states and parameters, by what the largest consensus of arrivals agrees on.
-  bool start(const Problem& problem) {
-    Approach found = approach(problem, options_.solve, monitor_, false);
-    if (!found.ok) {
-      out_.status = found.why_not.status;
-      out_.message = found.why_not.message;
-      if (!found.why_not.weak.empty()) out_.remedy = found.why_not.weak.front().remedy;
-      return false;
+  /// Changes found with room for all of them, and then with room for these alone.
+  bool find_changes_at_once() {
+    if (!monitor_.report("what changed", 0.7)) return stopped();
+    const Eigen::MatrixXd prior = drifted();
+    Eigen::MatrixXd room = fit_.room_around(room_).asDiagonal();
+    if (!fit_.adjust_under(prior + room)) return false;
+    if (fit_.locate_lost()) {  // one that hangs metres away may have ended at its mirror image
+      room = fit_.room_around(room_).asDiagonal();
+      if (!fit_.adjust_under(prior + room)) return false;
     }
-    const SharedState state = found.estimate.state();
-    set_start(problem, state, std::move(found.estimate.beacon_usable), std::move(found.trajectories));
-    const double factor = agreeing_sigma(now_.fit.trajectories, state);
-    if (is_far_off(factor)) scale_noise(factor);
+    if (turn_to_known_side(before_, fit_.now.layout, fit_.now.fit.x) && !fit_.adjust_under(prior + room))
+      return false;
+    room = reconsidered(std::move(room));
+    look_for_changes(prior + room);
+    return explain(changed_parameters(out_.comparison, known_), VisitFit::Noise::kAsFound);
+  }
+
+  /// What the visit says where the fit stands under a prior P.
+  void look_for_changes(const Eigen::MatrixXd& P, bool known_white = false, bool again = true) {
+    visit_ = visit_information(fit_.now.fit, known_, P, before_, options_.solve.threads, known_white);
+    if (again) compare_visits();
+  }
+
+  void compare_visits() {
+    const auto is_possible = [this](const ChangeHypothesis& h) {
+      return std::ranges::none_of(
+          unsupported_, [&h](const ChangeHypothesis& u) { return u.kind == h.kind && u.owner == h.owner; });
+    };
+    out_.comparison = compare(before_, known_,
+                              innovation_of_information(drifted(), visit_.N, visit_.gradient), is_possible);
+  }
+
+  /// Adjusts with some changes released and looks for changes again, until the same ones are found. A change
+  /// that a single stop supports is not looked for again.
+  bool explain(Released released, VisitFit::Noise noise) {
+    for (int round = 1; round < kRounds; ++round) {
+      if (!monitor_.report("what changed", 0.7 + 0.05 * round)) return stopped();
+      const Eigen::MatrixXd P = drifted() + released_covariance(known_, released, before_.motion);
+      if (!fit_.adjust_under(P, noise)) return false;
+      if (turn_to_known_side(before_, fit_.now.layout, fit_.now.fit.x) && !fit_.adjust_under(P, noise))
+        return false;
+      look_for_changes(P);
+      Released found = changed_parameters(out_.comparison, known_);
+      if (found == released && !forget_unsupported()) break;
+      released = changed_parameters(out_.comparison, known_);
+    }
     return true;
   }
 
-  void scale_noise(double factor) {
-    rescale_noise(now_.fit.trajectories, now_.sigma_s, factor * now_.sigma_s);
-    now_.sigma_s *= factor;
-  }
-
-  /// What the approach found farther away than there is room for gets that much room.
-  [[nodiscard]] Eigen::VectorXd room_around(Eigen::VectorXd room) const {
-    const std::vector<int> columns = columns_of(layout_, known_);
-    for (Eigen::Index i = 0; i < known_.size(); ++i) {
-      const int c = columns[static_cast<std::size_t>(i)];
-      if (c < 0 || !(room[i] > 0)) continue;
-      const double off = now_.fit.x[c] * layout_.parameter(c).si_per_unit - known_.value[i];
-      room[i] = std::max(room[i], off * off);
-    }
-    return room;
-  }
-
-  /// Adjusts with all arrivals admitted, the noise as found.
-  bool adjust_under(const Eigen::MatrixXd& P) {
-    now_.fit.layout = layout_;
-    set_joint_prior(now_.fit.layout, known_, P);
-    const auto adjusted = adjust_and_scale_noise(
-        [this]() -> std::optional<DataSquares> {
-          adjust_anew(options_.solve, now_.fit);
-          if (!now_.fit.ok || !now_.fit.x.allFinite()) return {};
-          now_.statistics = statistics_of(now_.fit.problem, now_.fit.layout, now_.fit.trajectories,
-                                          now_.fit.state(), now_.fit.last.cost, options_.solve.threads);
-          const double prior = prior_cost(now_.fit.problem, now_.fit.layout, now_.fit.x);
-          return DataSquares{now_.fit.last.cost - prior, now_.statistics.redundancy};
-        },
-        [this](const NoiseFactors& factors) { scale_noise(factors.arrivals); });
-    if (!adjusted)
-      out_.message = "the adjustment of the second visit did not converge: " + now_.fit.last.message;
-    return adjusted.has_value();
-  }
-
-  bool find_changes(const Eigen::VectorXd& usual_room) {
-    Eigen::MatrixXd room = room_around(usual_room).asDiagonal();
-    Released released;
-    const Eigen::MatrixXd prior = drifted();
-    for (int round = 0; round < kRounds; ++round) {
-      if (!monitor_.report("what changed", 0.7 + 0.05 * round)) return stopped();
-      if (!adjust_under(prior + room)) return false;
-      if (round == 0 && locate_lost()) {  // one that hangs metres away may have ended at its mirror image
-        room = room_around(usual_room).asDiagonal();
-        if (!adjust_under(prior + room)) return false;
-      }
-      if (turn_to_known_side(before_, layout_, now_.fit.x) && !adjust_under(prior + room)) return false;
-      if (round == 0) room = reconsidered(std::move(room));
-      visit_ = visit_information(now_.fit, known_, prior + room, before_, options_.solve.threads);
-      out_.comparison = compare(before_, known_, innovation_of_information(prior, visit_.N, visit_.gradient));
-      Released found = changed_parameters(out_.comparison, known_);
-      if (round > 0 && found == released) break;
-      released = std::move(found);
-      room = released_covariance(known_, released, before_.motion);
-    }
+  /// Takes changes that a single stop supports out of the search. @return whether there were any
+  bool forget_unsupported() {
+    const std::size_t count = unsupported_.size();
+    for (const std::size_t k : out_.comparison.search.held())
+      if (const ChangeHypothesis& h = out_.comparison.hypotheses[k];
+          !is_supported(fit_.now.fit, before_, h, options_.solve.rejection_sigmas))
+        unsupported_.push_back(h);
+    if (unsupported_.size() == count) return false;
+    compare_visits();
     return true;
   }
 
@@ -285,58 +323,32 @@ class SecondVisit {
   /// moved them.
   bool refine_on_all_arrivals() {
     if (!monitor_.report("the whole recording", 0.9)) return stopped();
-    now_.fit.problem.runs.resize(problem_.runs.size());
-    now_.fit.trajectories = problem_.trajectories;
-    rescale_noise(now_.fit.trajectories, problem_.site.noise.tof_sigma_s, now_.sigma_s);
-    const EpochFixModel model = search_model(problem_, now_.fit.state(), now_.fit.beacon_usable);
-    for (Trajectory& t : now_.fit.trajectories)
+    fit_.now.fit.problem.runs.resize(problem_.runs.size());
+    fit_.now.fit.trajectories = problem_.trajectories;
+    rescale_noise(fit_.now.fit.trajectories, problem_.site.noise.tof_sigma_s, fit_.now.sigma_s);
+    const EpochFixModel model = search_model(problem_, fit_.now.fit.state(), fit_.now.fit.beacon_usable);
+    for (Trajectory& t : fit_.now.fit.trajectories)
       static_cast<void>(place_states(t, model, 0.0, false, 0.0, options_.solve.threads));
-    readmit_all(now_.fit.trajectories, now_.fit.beacon_usable);
+    readmit_all(fit_.now.fit.trajectories, fit_.now.fit.beacon_usable);
     const bool known_white = !visit_.correlated;
     const Eigen::MatrixXd prior = drifted();
     for (int pass = 0; pass < kPassesOfAll; ++pass) {
       // The error model is of the residuals that white weights leave: it is told once, where these have led,
       // and until then what changed stays what the part has shown.
       const bool last = pass + 1 == kPassesOfAll;
-      const SharedState state = now_.fit.state();
-      solve_all_states(state, pass == 0 ? kCauchyScale : 0.0);
-      reject_outliers(now_.fit.trajectories, state, options_.solve.rejection_sigmas, options_.solve.threads);
+      const SharedState state = fit_.now.fit.state();
+      fit_.solve_all_states(pass == 0 ? kCauchyScale : 0.0);
+      reject_outliers(fit_.now.fit.trajectories, state, options_.solve.rejection_sigmas,
+                      options_.solve.threads);
       const Eigen::MatrixXd P =
           prior + released_covariance(known_, changed_parameters(out_.comparison, known_), before_.motion);
-      set_joint_prior(now_.fit.layout = layout_, known_, P);
-      visit_ = visit_information(now_.fit, known_, P, before_, options_.solve.threads, known_white || !last);
-      if (known_white || last)
-        out_.comparison =
-            compare(before_, known_, innovation_of_information(prior, visit_.N, visit_.gradient));
-      move_to(known_.value + updated_by(P, visit_.N, visit_.gradient).step);
+      set_joint_prior(fit_.now.fit.layout = fit_.now.layout, known_, P);
+      look_for_changes(P, known_white || !last, known_white || last);
+      fit_.move_to(known_.value + updated_by(P, visit_.N, visit_.gradient).step);
     }
-    now_.statistics = statistics_of(now_.fit.problem, now_.fit.layout, now_.fit.trajectories,
-                                    now_.fit.state(), data_cost(), options_.solve.threads);
+    fit_.now.statistics = statistics_of(fit_.now.fit.problem, fit_.now.fit.layout, fit_.now.fit.trajectories,
+                                        fit_.now.fit.state(), fit_.data_cost(), options_.solve.threads);
     return true;
-  }
-
-  void solve_all_states(const SharedState& state, double scale) {
-    for (Trajectory& t : now_.fit.trajectories)
-      for_each_parallel(t.segments.size(), options_.solve.threads, [&](std::size_t s) {
-        if (t.nodes[t.segments[s].first_node].placed) solve_states(t, t.segments[s], state, {scale, scale});
-      });
-  }
-
-  /// Of all arrivals and priors where the fit stands.
-  [[nodiscard]] double data_cost() const {
-    double cost = prior_cost(now_.fit.problem, now_.fit.layout, now_.fit.x);
-    const SharedState state = now_.fit.state();
-    for (const Trajectory& t : now_.fit.trajectories)
-      for (const Segment& segment : t.segments)
-        if (t.nodes[segment.first_node].placed) cost += chain_cost(t, segment, state, {});
-    return cost;
-  }
-
-  void move_to(const Eigen::VectorXd& value) {
-    const std::vector<int> columns = columns_of(layout_, known_);
-    for (Eigen::Index i = 0; i < known_.size(); ++i)
-      if (const int c = columns[static_cast<std::size_t>(i)]; c >= 0)
-        now_.fit.x[c] = value[i] / layout_.parameter(c).si_per_unit;
   }
 
   void conclude_visit() {
@@ -345,15 +357,15 @@ class SecondVisit {
     out_.warnings.insert(out_.warnings.end(), left.warnings.begin(), left.warnings.end());
     out_.medium.speed_change_mps = out_.as_left.speed_offset_mps - before_.speed_offset_mps;
     out_.medium.speed_change_sigma_mps = left.speed_change_sigma_mps;
-    out_.as_left.statistics = now_.statistics;
+    out_.as_left.statistics = fit_.now.statistics;
     out_.as_left.statistics.converged = true;
-    extend_validity(out_.as_left, now_.fit.trajectories, problem_, out_.medium.temperature_known);
-    const SharedState state = now_.fit.state();
-    out_.beacons = heard_of_beacons(before_, now_.fit.trajectories, state);
-    out_.receivers = heard_by_receivers(before_, now_.fit.trajectories, state);
-    out_.silent = silent_beacons(before_, now_.fit.trajectories);
-    for (std::string& name : silent_receivers(before_, now_.fit.trajectories))
-      out_.silent.push_back(std::move(name));
+    extend_validity(out_.as_left, fit_.now.fit.trajectories, problem_, out_.medium.temperature_known);
+    const SharedState state = fit_.now.fit.state();
+    out_.beacons = heard_of_beacons(before_, fit_.now.fit.trajectories, state);
+    out_.receivers = heard_by_receivers(before_, fit_.now.fit.trajectories, state);
+    out_.silent = silent_of(out_.beacons, out_.receivers);
+    out_.not_observed = not_observed_of(before_, out_.beacons);
+    out_.not_judged = received_once(fit_.now.fit, before_);
     if (out_.comparison.p_left < kUnexplained)
       out_.warnings.push_back(
           fmt::format("something of this visit fits neither the earlier calibration nor the changes found (p "
@@ -369,11 +381,11 @@ class SecondVisit {
   KnownParameters known_;
   Clock::time_point began_;
   ProgressMonitor monitor_;
-  Eigen::VectorXd drift_;
+  VisitFit fit_;
+  Eigen::VectorXd drift_, room_;  ///< variances
   Problem problem_;
-  ParameterLayout layout_;  ///< without the joint prior
-  Standing now_;
   VisitInformation visit_;
+  std::vector<ChangeHypothesis> unsupported_;  ///< changes that a single stop would support
   Revisit out_;
 };
 

@@ -27,7 +27,9 @@ struct Revisit {
   std::string remedy;     ///< what to record or to do where there is none
   Comparison comparison;  ///< as found, owners and columns of the earlier deployment
   std::vector<Heard> beacons, receivers;
-  std::vector<std::string> silent;  ///< beacons and receivers that should have been heard, by name
+  std::vector<Silence> silent;            ///< beacons and receivers received far less than expected
+  std::vector<std::string> not_observed;  ///< beacons out of reach along this path; carried over
+  std::vector<std::string> not_judged;    ///< beacons received at a single stop, which shows no change
   MediumFound medium;
   Drift drift;         ///< as allowed for: where no thermometer was read the speed may be any
   Deployment as_left;  ///< status kConverged; provenance is not filled in (finished())

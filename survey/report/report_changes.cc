@@ -77,6 +77,11 @@ std::string doubt_sentence(const Changes& changes) {
 
 }  // namespace
 
+std::string reception_words(const Silence& s) {
+  return fmt::format("{:.0f} arrivals were expected{}, and {:.0f} received", s.expected,
+                     s.is_partial ? fmt::format(" from {:.0f} s on", s.since_s) : "", s.received);
+}
+
 std::string changes_sentence(const Changes& changes) {
   const auto count = [&changes](auto&& which) { return std::ranges::count_if(changes.beacons, which); };
   const auto moved = count([](const BeaconChange& c) { return c.moved(); });
@@ -97,6 +102,12 @@ std::optional<ReportSection> changes_section(const ReportInput& input) {
     section.blocks.emplace_back(ReportText{
         "The datum is another one: a part of the differences is that of the frame, not of the beacons.",
         Tone::kAttention});
+  for (const Silence& s : changes.silent)
+    section.blocks.emplace_back(
+        ReportText{fmt::format("{} is silent: {}.", s.subject, reception_words(s)), Tone::kAttention});
+  if (!changes.not_observed.empty())
+    section.blocks.emplace_back(ReportText{fmt::format("Not observed, as out of reach, and carried over: {}.",
+                                                       fmt::join(changes.not_observed, ", "))});
   if (!changes.gone.empty())
     section.blocks.emplace_back(
         ReportText{fmt::format("No longer there: {}.", fmt::join(changes.gone, ", "))});

@@ -169,10 +169,8 @@ std::vector<std::string> next_steps(const ReportInput& input) {
           names(doubted)));
     if (!moved.empty())
       steps.push_back(fmt::format("Look at {} on site: moved since the earlier deployment.", names(moved)));
-    if (!input.changes->silent.empty())
-      steps.push_back(fmt::format("Look at {} on site: nothing was heard of {} at this visit.",
-                                  names(input.changes->silent),
-                                  input.changes->silent.size() == 1 ? "it" : "them"));
+    for (const Silence& s : input.changes->silent)
+      steps.push_back(fmt::format("Look at {} on site: {}.", s.subject, reception_words(s)));
     const bool all_later = std::ranges::any_of(
         input.changes->found, [](const Change& c) { return c.subject == kAllBeaconsSubject; });
     if (all_later)

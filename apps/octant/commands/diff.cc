@@ -98,7 +98,7 @@ void warn_of_two_sites(const Deployment& before, const Deployment& now, Session&
 int run(const DiffArgs& args, Session& session) {
   const Deployment before = need(io::read_deployment(args.before)), now = need(io::read_deployment(args.now));
   const survey::Changes changes =
-      survey::changes_between(before, now, drift_between(before.created, now.created, args.drift));
+      survey::changes_between(before, now, stated_drift(before, now.created, args.drift));
   if (changes.beacons.empty())
     fail_with({.code = Errc::kBadInput,
                .file = args.now,

@@ -33,9 +33,9 @@ int run(const MonitorArgs& args, Session& session) {
     changes.push_back(in_words(c));
     remedies.push_back(remedy_of(c));
   }
-  if (const std::string silent = fmt::format("{}", fmt::join(visit.revisit.silent, ", ")); !silent.empty()) {
-    changes.push_back("nothing is heard of " + silent);
-    remedies.push_back(fmt::format("look at {} on site", silent));
+  for (const Silence& silent : visit.revisit.silent) {
+    changes.push_back(in_words(silent));
+    remedies.push_back(fmt::format("look at {} on site", silent.subject));
   }
   object["action"] = !changes.empty();
   if (changes.empty()) return session.finish(object);

@@ -49,6 +49,7 @@ int run(const RecalibrateArgs& args, Session& session) {
   input.changes = survey::changes_between(visit.before, now);
   input.changes->found = visit.revisit.comparison.changes;
   input.changes->silent = visit.revisit.silent;
+  input.changes->not_observed = visit.revisit.not_observed;
   if (!args.report.paths.empty()) survey::add_geometry(input, session.threads());
   add_deployment_json(now, object);
   object["verdict"] = verdict_json(input);

@@ -38,8 +38,48 @@ LeastLikely least_likely(const calib::Revisit& r, std::size_t owner, bool receiv
 }
 
 Json heard_json(const calib::Heard& h, const LeastLikely& test) {
-  return {{"id", h.name},           {"used", h.used},    {"late", h.late}, {"early", h.early},
-          {"misfit_s", h.misfit_s}, {"test", test.what}, {"p", test.p}};
+  return {{"id", h.name},
+          {"used", h.used},
+          {"late", h.late},
+          {"early", h.early},
+          {"expected", std::round(h.reception.expected)},
+          {"misfit_s", h.misfit_s},
+          {"test", test.what},
+          {"p", test.p}};
+}
+
+Json silent_json(const std::vector<Silence>& silent) {
+  Json list = Json::array();
+  for (const Silence& s : silent) {
+    list.push_back(
+        {{"subject", s.subject}, {"expected", std::round(s.expected)}, {"received", std::round(s.received)}});
+    if (s.is_partial) list.back()["since_s"] = s.since_s;
+  }
+  return list;
+}
+
+std::vector<std::string> subjects_of(const std::vector<Silence>& silent) {
+  std::vector<std::string> names;
+  for (const Silence& s : silent) names.push_back(s.subject);
+  return names;
+}
+
+/// Warnings about beacons that are silent or were out of reach.
+void warn_of_reception(const calib::Revisit& revisit, Session& session) {
+  for (const Silence& s : revisit.silent)
+    session.warn(in_words(s) +
+                 ": switched off, covered, or taken away? What the calibration says of it is "
+                 "carried over");
+  if (!revisit.not_judged.empty())
+    session.warn(
+        fmt::format("no change can be judged at {}: received at a single stop, where an echo looks "
+                    "like a change; record more stops within its reach",
+                    fmt::join(revisit.not_judged, ", ")));
+  if (revisit.not_observed.empty()) return;
+  const bool is_one = revisit.not_observed.size() == 1;
+  session.warn(fmt::format(
+      "{} {} out of reach along this path and not observed; what the calibration says of {} is carried over",
+      fmt::join(revisit.not_observed, ", "), is_one ? "was" : "were", is_one ? "it" : "them"));
 }
 
 std::vector<std::string> heard_row(const calib::Heard& h, const LeastLikely& test) {
@@ -47,6 +87,7 @@ std::vector<std::string> heard_row(const calib::Heard& h, const LeastLikely& tes
           fmt::format("{}", h.used),
           fmt::format("{}", h.late),
           fmt::format("{}", h.early),
+          fmt::format("{:.0f}", h.reception.expected),
           h.used + h.late + h.early > 0 ? fmt::format("{:+.1f}", 1e6 * h.misfit_s) : "-",
           test.p < 1 ? fmt::format("{:.2g}", test.p) : "1"};
 }
@@ -79,22 +120,24 @@ std::string medium_text(const SecondVisitFiles& visit) {
 void add_drift_options(CLI::App& command, DriftArgs& args) {
   const OptionGroup group(
       command,
-      "Drift since the earlier calibration (standard deviations; by default by the time that passed)");
+      "Drift since the earlier calibration (standard deviations; by default by the site file's drift, the "
+      "kind of medium and the time that passed)");
   add_option(command, "--drift-beacon-m", args.beacon_m, "M",
-             "Of each coordinate of a beacon; 0.001 and 0.0001 a month")
+             "Of each coordinate of a beacon; in air 0.001 and 0.0012 a year")
       ->check(CLI::PositiveNumber);
-  add_option(command, "--drift-delay-s", args.delay_s, "S", "Of a delay; 3e-6 and 3e-7 a month")
+  add_option(command, "--drift-delay-s", args.delay_s, "S",
+             "Of a delay; in air worth 0.001 m of range and 0.0012 m a year, by radio 0.02 m and 0.03 m")
       ->check(CLI::PositiveNumber);
   add_option(command, "--drift-receiver-m", args.receiver_m, "M",
-             "Of each coordinate of a receiver; 0.0005 and 0.00005 a month")
+             "Of each coordinate of a receiver; in air 0.0005 and 0.0006 a year")
       ->check(CLI::PositiveNumber);
   add_option(command, "--drift-speed-mps", args.speed_mps, "V",
-             "Of the speed at the same temperature; 0.3 and 0.03 a month")
+             "Of the speed at the same temperature; in air 0.3 and 0.36 a year")
       ->check(CLI::PositiveNumber);
 }
 
-Drift drift_between(const std::string& before, const std::string& now, const DriftArgs& args) {
-  Drift drift = Drift::of_months(months_between(before, now));
+Drift stated_drift(const Deployment& before, const std::string& now, const DriftArgs& args) {
+  Drift drift = drift_between(before, now);
   drift.beacon_m = args.beacon_m.value_or(drift.beacon_m);
   drift.delay_s = args.delay_s.value_or(drift.delay_s);
   drift.receiver_m = args.receiver_m.value_or(drift.receiver_m);
@@ -115,16 +158,11 @@ SecondVisitFiles revisit_files(const std::string& path, const std::vector<std::s
   out.head = result_head("monitoring", path, out.before, runs);
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
   calib::RevisitOptions options;
-  options.drift = drift_between(out.before.created, created_now(), drift);
+  options.drift = stated_drift(out.before, created_now(), drift);
   options.solve = solve_options(session, reporter);
   out.revisit = need(calib::revisit(out.before, std::move(runs), options));
   session.warn(out.revisit.warnings);
-  if (!out.revisit.silent.empty())
-    session.warn(
-        fmt::format("nothing was heard of {}, though it should have been from where the vehicle was: "
-                    "switched off, covered, or "
-                    "taken away? What the calibration has of it is carried over",
-                    fmt::join(out.revisit.silent, ", ")));
+  warn_of_reception(out.revisit, session);
   stop_if_interrupted(out.revisit.status == calib::SolveStatus::kInterrupted);
   return out;
 }
@@ -154,7 +192,10 @@ Json revisit_json(const SecondVisitFiles& visit, const Session& session) {
           {"seconds", session.seconds()},
           {"since", visit.before.created},
           {"changes", io::json_of(r.comparison.changes)},
-          {"heard", {{"beacons", beacons}, {"receivers", receivers}, {"silent", r.silent}}},
+          {"not_observed", r.not_observed},
+          {"not_judged", r.not_judged},
+          {"silent", silent_json(r.silent)},
+          {"heard", {{"beacons", beacons}, {"receivers", receivers}, {"silent", subjects_of(r.silent)}}},
           {"p", r.comparison.p},
           {"p_left", r.comparison.p_left},
           {"medium",
@@ -166,13 +207,20 @@ Json revisit_json(const SecondVisitFiles& visit, const Session& session) {
 
 std::string revisit_text(const SecondVisitFiles& visit) {
   const calib::Revisit& r = visit.revisit;
-  Table table{"lrrrrr", {{"heard", "used", "late", "early", "misfit [us]", "p"}}};
+  Table table{"lrrrrrr", {{"heard", "used", "late", "early", "expected", "misfit [us]", "p"}}};
   for (std::size_t b = 0; b < r.beacons.size(); ++b)
     table.rows.push_back(heard_row(r.beacons[b], least_likely(r, b, false)));
   for (std::size_t k = 0; k < r.receivers.size(); ++k)
     table.rows.push_back(heard_row(r.receivers[k], least_likely(r, k, true)));
   std::string text = table.text() + "\n" + medium_text(visit);
   const auto& changes = r.comparison.changes;
+  for (const Silence& s : r.silent) text += named_line("silent", in_words(s));
+  if (!r.not_observed.empty())
+    text += named_line("not observed", fmt::format("{}: out of reach along this path, carried over",
+                                                   fmt::join(r.not_observed, ", ")));
+  if (!r.not_judged.empty())
+    text += named_line("not judged", fmt::format("{}: received at a single stop, so no change can be judged",
+                                                 fmt::join(r.not_judged, ", ")));
   return text + found_lines(changes) +
          (changes.empty() ? named_line("changed", "nothing beyond chance and drift")
                           : named_line("", "all else fits"));

@@ -15,14 +15,14 @@
 // What recalibrate and monitor share: both ask a second visit what changed.
 namespace octant::app {
 
-/// --drift-...: standard deviations since the earlier calibration, where the user knows better than the time
-/// that passed.
+/// --drift-...: standard deviations since the earlier calibration, in the place of those of the site and the
+/// time that passed.
 struct DriftArgs {
   std::optional<double> beacon_m, delay_s, receiver_m, speed_mps;
 };
 void add_drift_options(CLI::App& command, DriftArgs& args);
-/// @param before, now  ISO 8601
-[[nodiscard]] Drift drift_between(const std::string& before, const std::string& now, const DriftArgs& args);
+/// @param now  ISO 8601
+[[nodiscard]] Drift stated_drift(const Deployment& before, const std::string& now, const DriftArgs& args);
 
 /// A visit and what it was held against.
 struct SecondVisitFiles {

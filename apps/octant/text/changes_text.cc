@@ -64,6 +64,10 @@ std::string in_words(const Change& c) {
   return c.subject;
 }
 
+std::string in_words(const Silence& s) {
+  return fmt::format("{} is silent: {}", s.subject, survey::reception_words(s));
+}
+
 std::string remedy_of(const Change& c) {
   switch (c.kind) {
     case ChangeKind::kBeaconMoved: return fmt::format("look at {} on site, then recalibrate", c.subject);

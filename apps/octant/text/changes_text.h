@@ -7,6 +7,7 @@
 
 #include "apps/octant/session.h"
 #include "models/changes/change.h"
+#include "models/changes/reception.h"
 #include "survey/report/report.h"
 
 namespace octant::app {
@@ -15,6 +16,8 @@ namespace octant::app {
 /// was compared. p is that of chance after multiple testing.
 /// "A7 stands 46.5 mm (sigma 6.8 mm) from where it was: x +44.0, y +15.0, z -2.0 mm".
 [[nodiscard]] std::string in_words(const Change& change);
+/// "B3 is silent: 412 arrivals were expected, and 0 received".
+[[nodiscard]] std::string in_words(const Silence& silence);
 /// What to do about it.
 [[nodiscard]] std::string remedy_of(const Change& change);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -269,7 +270,57 @@ TEST(Revisit, ABeaconOutOfReachIsNotSilent) {
            a.beacon == BeaconId(kFree);
   });
   visits.before.validity_reach_m = reach_m;
-  EXPECT_TRUE(revisited(visits).silent.empty());
+  const Revisit found = revisited(visits);
+  EXPECT_TRUE(found.silent.empty());
+  EXPECT_TRUE(found.comparison.changes.empty());
+  EXPECT_EQ(found.not_observed, std::vector<std::string>{"B4"});
+  EXPECT_EQ(found.as_left.beacons[kFree].status, BeaconStatus::kCalibrated);
+}
+
+TEST(Revisit, ABeaconThatStopsHalfWayIsSilentFromThenOn) {
+  TwoVisits visits = two_visits([](Scenario&) {}, 60);
+  const std::int64_t half = visits.second.arrivals[visits.second.arrivals.size() / 2].epoch;
+  std::erase_if(visits.second.arrivals,
+                [half](const Arrival& a) { return a.beacon == BeaconId(kFree) && a.epoch > half; });
+  const Revisit found = revisited(visits);
+  ASSERT_EQ(found.silent.size(), 1U);
+  EXPECT_EQ(found.silent[0].subject, "B4");
+  EXPECT_TRUE(found.silent[0].is_partial);
+  EXPECT_GT(found.silent[0].expected, 10 * std::max(1.0, found.silent[0].received));
+}
+
+/// Two or three stops with an arrival from each pair hardly determine more than the vehicle's places.
+TEST(Revisit, FewSingleShotsLeaveTheOldCalibration) {
+  const TwoVisits visits = two_visits([](Scenario&) {}, 30);
+  for (std::int64_t first = 0; first < 27; first += 3) {
+    TwoVisits few = visits;
+    std::map<std::tuple<std::int64_t, int, int>, int> shots;
+    std::erase_if(few.second.arrivals, [&](const Arrival& a) {
+      return a.epoch < first || a.epoch > first + 1 + first % 2 ||
+             shots[{a.epoch, a.beacon.value, a.receiver.value}]++ > 0;
+    });
+    const Revisit found = revisited(few);
+    EXPECT_TRUE(found.comparison.changes.empty()) << "from stop " << first;
+    for (std::size_t b = 0; b < 8; ++b) {
+      const DeploymentBeacon &was = few.before.beacons[b], &is = found.as_left.beacons[b];
+      const double sigma_m = std::sqrt(was.covariance_m2.trace()) + 3e-3;
+      EXPECT_LT((is.position_m - was.position_m).norm(), 2 * sigma_m) << was.name;
+      EXPECT_EQ(is.status, was.status) << was.name;
+    }
+  }
+}
+
+/// All arrivals of a beacon at the only stop where it was received come late: an echo looks like that.
+TEST(Revisit, AnEchoAtASingleStopIsNoChange) {
+  TwoVisits visits = two_visits([](Scenario&) {}, 3);
+  const std::int64_t stop = visits.second.arrivals.front().epoch;
+  std::erase_if(visits.second.arrivals,
+                [stop](const Arrival& a) { return a.beacon == BeaconId(kFree) && a.epoch != stop; });
+  for (Arrival& a : visits.second.arrivals)
+    if (a.beacon == BeaconId(kFree)) a.tof_s += 4e-4;
+  const Revisit found = revisited(visits);
+  EXPECT_TRUE(found.comparison.changes.empty());
+  EXPECT_EQ(found.not_judged, std::vector<std::string>{"B4"});
 }
 
 TEST(Revisit, AReceiverThatTakesNothingIsSilent) {
@@ -277,7 +328,7 @@ TEST(Revisit, AReceiverThatTakesNothingIsSilent) {
   std::erase_if(visits.second.arrivals, [](const Arrival& a) { return a.receiver.index() == 2; });
   const Revisit found = revisited(visits);
   ASSERT_EQ(found.silent.size(), 1U);
-  EXPECT_EQ(found.silent[0], found.receivers[2].name);
+  EXPECT_EQ(found.silent[0].subject, found.receivers[2].name);
 }
 
 TEST(Revisit, WhatWasNotHeardIsCarriedOver) {
@@ -286,7 +337,10 @@ TEST(Revisit, WhatWasNotHeardIsCarriedOver) {
   const Revisit found = revisited(visits);
   EXPECT_TRUE(found.comparison.changes.empty());
   EXPECT_EQ(found.beacons[kFree].used, 0U);
-  EXPECT_EQ(found.silent, std::vector<std::string>{"B4"});
+  ASSERT_EQ(found.silent.size(), 1U);
+  EXPECT_EQ(found.silent[0].subject, "B4");
+  EXPECT_EQ(found.silent[0].received, 0.0);
+  EXPECT_GT(found.silent[0].expected, 20.0);
   EXPECT_EQ(found.as_left.beacons[kFree].status, BeaconStatus::kCalibrated);
   EXPECT_LT((found.as_left.beacons[kFree].position_m - visits.before.beacons[kFree].position_m).norm(), 5e-3);
   EXPECT_GT(found.as_left.beacons[kFree].covariance_m2.trace(),

@@ -137,12 +137,16 @@ TEST(ReportChanges, TellWhatIsSilentAndWhatAllDelaysShare) {
   auto beacons = std::vector{change("B1", 0.0, 1e-9), change("B2", 0.0, 1e-9)};
   for (BeaconChange& c : beacons) c.delay_significant = true;
   ReportInput input = with_changes(beacons);
-  input.changes->silent = {"B4", "robot/r2"};
+  input.changes->silent = {{"B4", 120.0, 0.0}, {"robot/r2", 300.4, 12.0, true, 61.0}};
+  input.changes->not_observed = {"B7"};
   input.changes->found.emplace_back();
   input.changes->found[0].kind = ChangeKind::kDelay;
   input.changes->found[0].subject = kAllBeaconsSubject;
   const auto steps = next_steps(input);
-  EXPECT_THAT(steps, Contains("Look at B4, robot/r2 on site: nothing was heard of them at this visit."));
+  EXPECT_THAT(steps, Contains("Look at B4 on site: 120 arrivals were expected, and 0 received."));
+  EXPECT_THAT(
+      steps,
+      Contains("Look at robot/r2 on site: 300 arrivals were expected from 61 s on, and 12 received."));
   EXPECT_THAT(steps, Contains(HasSubstr("the vehicle's electronics")));
   EXPECT_THAT(steps, Not(Contains(HasSubstr("B1")))) << "each beacon is as it was";
 }
