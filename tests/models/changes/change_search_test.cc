@@ -120,6 +120,19 @@ TEST_F(Search, FindsThreeMovesAndADelayAndAccusesNobodyElse) {
   EXPECT_NEAR(nees, 3.0, 4 * std::sqrt(6.0 / 50));  // chi-square with three degrees of freedom
 }
 
+/// Information that is only rounding moves nothing by more than its prior, whatever pulls.
+TEST_F(Search, ChangesAreBoundedByTheirPriors) {
+  const std::vector<ChangeHypothesis> hypotheses = {{ChangeKind::kDelay, 0, {0}, {kWide}},
+                                                    {ChangeKind::kDelay, 1, {1}, {kWide}}};
+  Innovation innovation{Eigen::Matrix2d::Identity(), Eigen::Vector2d(0.0, 30.0), 2};
+  innovation.B(1, 1) = 1e-9;
+  const ChangeSearch search = search_changes(innovation, hypotheses);
+  EXPECT_TRUE(search.held().empty());
+  EXPECT_LT(std::abs(search.tested[1].estimate[0]), kWide);
+  EXPECT_NEAR(std::sqrt(search.tested[1].covariance(0, 0)), kWide, 1e-6 * kWide);
+  EXPECT_EQ(search.tested[1].degrees_of_freedom, 0);
+}
+
 /// One that was taken first, for want of a better one, is given up when others explain it.
 TEST_F(Search, GivesUpWhatOthersExplain) {
   // A sum of two changes that a third hypothesis explains almost as well as both together.
