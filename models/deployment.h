@@ -10,7 +10,7 @@
 
 #include <Eigen/Core>
 
-#include "models/changes/change.h"
+#include "models/change.h"
 #include "models/contradiction.h"
 #include "models/parameter.h"
 #include "models/site.h"

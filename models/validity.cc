@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/physics/plane.h"
 #include "models/physics/polygon.h"
 #include "models/support/utc_time.h"
-#include "models/trajectory/planar.h"
 
 namespace octant {
 namespace {

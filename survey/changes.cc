@@ -7,7 +7,7 @@
 #include <set>
 
 #include "models/changes/chi_square.h"
-#include "models/trajectory/decompositions.h"
+#include "models/support/decompositions.h"
 
 namespace octant::survey {
 namespace {

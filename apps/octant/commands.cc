@@ -2,15 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/octant/commands.h"
 
-#include <map>
-
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
-
-#include "apps/octant/help/help.h"
-#include "apps/octant/steps/steps.h"
-#include "apps/octant/text/layout.h"
-#include "io/text/text.h"
 
 namespace octant::app {
 
@@ -28,32 +21,6 @@ void add_common_options(CLI::App& app, CommonOptions& common) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   add_option(app, "--seed", common.seed, "N", "Seed of everything random");
-}
-
-void add_method_options(CLI::App& command, MethodArgs& args) {
-  const std::string listed = joined(method_names(), ", ", [](const auto& method) { return method.first; });
-  command
-      .add_option_function<std::string>(
-          "--method",
-          [&args, listed](const std::string& wanted) {
-            const std::string lower = io::lower_case(wanted);
-            for (const auto& [name, value] : method_names())
-              if (name == lower) return void(args.method = value);
-            throw CLI::ValidationError("--method",
-                                       "there is no method '" + wanted + "'; expected one of " + listed);
-          },
-          "One of " + listed + "; auto takes what deployment and log allow, and says so")
-      ->type_name("M");
-  add_option(command, "--map", args.map, "RUN",
-             "line_map: a run with scans and measured poses, from which the map is made");
-  const std::map<std::string, KleemanHeading> headings = {{"mean_axes", KleemanHeading::kMeanAxes},
-                                                          {"hearing", KleemanHeading::kHearing},
-                                                          {"interpolation", KleemanHeading::kInterpolation}};
-  add_option(command, "--heading", args.heading, "H",
-             "kleeman: from which receivers hear, averaged as published (mean_axes) or, with which are "
-             "louder, as sectors (hearing), "
-             "or from differences of arrival times and amplitudes (interpolation, the default)")
-      ->transform(CLI::CheckedTransformer(headings, CLI::ignore_case).description(""));
 }
 
 void add_trust_option(CLI::App& command, std::string& trusted_key) {

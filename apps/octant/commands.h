@@ -8,11 +8,8 @@
 
 #include "apps/octant/options.h"
 #include "apps/octant/session.h"
-#include "models/localizers/methods.h"
 
 namespace octant::app {
-
-struct MethodArgs;
 
 // One file each, of the same name. Each adds its options to the command line.
 void add_demo(CLI::App& app, CommonOptions& common, Action& action);
@@ -49,8 +46,6 @@ template <class Args>
   return {command, args.get()};
 }
 void add_common_options(CLI::App& app, CommonOptions& common);
-/// --method and what some of them take, of the commands that localize.
-void add_method_options(CLI::App& command, MethodArgs& args);
 /// --trusted-key, or OCTANT_TRUSTED_KEY in the environment.
 void add_trust_option(CLI::App& command, std::string& trusted_key);
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 
@@ -18,6 +19,9 @@ class Session;
 
 /// What main() runs once the command line is parsed; a command's set-up puts it here.
 using Action = std::function<int(Session&)>;
+
+/// Group of the options that all commands have, in help and man pages.
+inline constexpr std::string_view kCommonGroup = "Common options";
 
 /// An option ("-o,--output") or, by a name without dashes, a positional argument. Its value now is the
 /// default, which --help tells unless it is nothing. @param type  what --help shows for its value

@@ -9,8 +9,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
-#include "apps/octant/steps/steps.h"
-#include "io/run/run_folder.h"
+#include "io/run/run_files.h"
 
 namespace octant::app {
 namespace {
@@ -88,6 +87,19 @@ void check_no_overwriting(const CommandFiles& files) {
     if (!is_no_file(name)) take(name, name);
   for (const std::string& folder : files.run_outputs)
     for (const std::string_view name : io::kRunFiles) take(folder, fs::path(folder) / name);
+}
+
+void fail_output(const std::string& path, const std::string& found, const std::string& advice) {
+  fail_with({.code = Errc::kOutput, .file = path, .found = found, .advice = advice});
+}
+
+void check_output(const std::string& path) {
+  if (path == "-" || path.empty()) return;
+  std::error_code error;
+  if (fs::is_directory(path, error)) fail_output(path, "is a folder", "name a file");
+  const fs::path parent = fs::path(path).parent_path();
+  if (!parent.empty() && !fs::is_directory(parent, error))
+    fail_output(path, fmt::format("the folder '{}' does not exist", parent.string()), "create it first");
 }
 
 void check_outputs(const std::vector<std::string>& inputs, const std::vector<OutputOption>& outputs,

@@ -24,6 +24,12 @@ struct CommandFiles {
 /// kUsage, both names.
 void check_no_overwriting(const CommandFiles& files);
 
+/// Ends the command because an output cannot be written.
+[[noreturn]] void fail_output(const std::string& path, const std::string& found,
+                              const std::string& advice = "");
+/// Fails early where an output could not be written anyway: its folder is missing, or it is a folder.
+void check_output(const std::string& path);
+
 /// What an option ("-o") was given; empty: it was not.
 struct OutputOption {
   std::string option, path;

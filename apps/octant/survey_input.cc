@@ -8,6 +8,7 @@
 #include "io/site/scene_yaml.h"
 #include "io/site/site_yaml.h"
 #include "io/text/bounds.h"
+#include "survey/geometry/make_survey_model.h"
 
 namespace octant::app {
 namespace {

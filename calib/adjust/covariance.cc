@@ -9,8 +9,8 @@
 #include <Eigen/Eigenvalues>
 
 #include "calib/adjust/sparse_factor.h"
+#include "models/support/decompositions.h"
 #include "models/support/unit_diagonal.h"
-#include "models/trajectory/decompositions.h"
 
 namespace octant::calib {
 namespace {

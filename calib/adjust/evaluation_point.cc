@@ -9,8 +9,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "models/support/decompositions.h"
 #include "models/support/parallel.h"
-#include "models/trajectory/decompositions.h"
 
 namespace octant::calib {
 namespace {

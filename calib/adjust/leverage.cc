@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numeric>
 
+#include "models/support/decompositions.h"
 #include "models/support/observed.h"
 #include "models/support/unit_diagonal.h"
-#include "models/trajectory/decompositions.h"
 
 namespace octant::calib {
 namespace {

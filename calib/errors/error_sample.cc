@@ -9,8 +9,8 @@
 
 #include "calib/adjust/leverage.h"
 #include "models/physics/pose.h"
+#include "models/support/decompositions.h"
 #include "models/support/observed.h"
-#include "models/trajectory/decompositions.h"
 #include "models/trajectory/stretches.h"
 
 namespace octant::calib {

@@ -12,7 +12,7 @@
 #include "calib/errors/spread_leverage.h"
 #include "calib/errors/statistics.h"
 #include "calib/problem/ranges.h"
-#include "models/trajectory/decompositions.h"
+#include "models/support/decompositions.h"
 
 namespace octant::calib {
 namespace {

@@ -15,8 +15,8 @@
 #include "calib/problem/ranges.h"
 #include "calib/problem/shared_entries.h"
 #include "calib/verdict/datum.h"
+#include "models/support/decompositions.h"
 #include "models/support/unit_diagonal.h"
-#include "models/trajectory/decompositions.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {

@@ -10,8 +10,8 @@
 #include "calib/adjust/covariance.h"
 #include "calib/verdict/datum.h"
 #include "models/simulator/random.h"
+#include "models/support/decompositions.h"
 #include "models/support/parallel.h"
-#include "models/trajectory/decompositions.h"
 
 namespace octant::calib {
 namespace {

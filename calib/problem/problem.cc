@@ -13,6 +13,7 @@
 #include "calib/problem/log_health.h"
 #include "calib/problem/ranges.h"
 #include "calib/problem/site_units.h"
+#include "models/trajectory/make_trajectory.h"
 
 namespace octant::calib {
 namespace {

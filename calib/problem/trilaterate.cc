@@ -10,7 +10,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/SVD>
 
-#include "models/trajectory/decompositions.h"
+#include "models/support/decompositions.h"
 
 namespace octant::calib {
 namespace {

@@ -17,6 +17,7 @@
 #include "calib/start/approach.h"
 #include "calib/start/start.h"
 #include "calib/statements/common_errors.h"
+#include "models/localizers/least_squares/epoch_fix.h"
 
 namespace octant::calib {
 namespace {

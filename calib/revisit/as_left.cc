@@ -14,7 +14,7 @@
 #include "calib/verdict/validity.h"
 #include "models/changes/deployment_number.h"
 #include "models/physics/polygon.h"
-#include "models/trajectory/decompositions.h"
+#include "models/support/decompositions.h"
 
 namespace octant::calib {
 namespace {

@@ -12,7 +12,7 @@
 #include "calib/errors/error_model.h"
 #include "calib/errors/error_sample.h"
 #include "calib/revisit/revisited_site.h"
-#include "models/trajectory/decompositions.h"
+#include "models/support/decompositions.h"
 
 namespace octant::calib {
 namespace {

@@ -13,6 +13,7 @@
 #include "calib/problem/trilaterate.h"
 #include "calib/start/cold_start.h"
 #include "models/localizers/drive/tracker.h"
+#include "models/localizers/least_squares/epoch_fix.h"
 #include "models/support/parallel.h"
 #include "models/trajectory/linearise.h"
 

@@ -9,7 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "calib/problem/ranges.h"
-#include "models/trajectory/decompositions.h"
+#include "models/support/decompositions.h"
 
 namespace octant::calib {
 namespace {

@@ -15,7 +15,7 @@
 #include "calib/verdict/fix_shift.h"
 #include "calib/verdict/undetermined_words.h"
 #include "calib/verdict/weak_directions.h"
-#include "models/trajectory/decompositions.h"
+#include "models/support/decompositions.h"
 
 namespace octant::calib {
 namespace {

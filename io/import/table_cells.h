@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "io/import/table_log.h"
-#include "io/tof/tof_columns.h"
+#include "io/import/column_rules.h"
+#include "io/tof_columns.h"
 
 namespace octant::io {
 

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "io/run/last_row.h"
-#include "io/run/run_folder.h"
+#include "io/run/run_files.h"
 #include "io/text/csv.h"
 #include "io/text/open_file.h"
 

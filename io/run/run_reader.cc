@@ -15,7 +15,7 @@
 
 #include "io/run/last_row.h"
 #include "io/run/run_clock.h"
-#include "io/run/run_folder.h"
+#include "io/run/run_files.h"
 #include "io/run/tum.h"
 #include "io/text/atomic_file.h"
 #include "io/text/bounds.h"

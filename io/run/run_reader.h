@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "io/run/run_folder.h"
+#include "io/run/read_run_options.h"
 #include "io/tof/run_parts.h"
 #include "io/tof/tof_reader.h"
 

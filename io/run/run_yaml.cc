@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "io/run/odometry_keys.h"
 #include "io/run/run_folder.h"
-#include "io/site/site_parts.h"
 #include "io/text/atomic_file.h"
 #include "io/tof/run_parts.h"
 #include "io/yaml/yaml_reader.h"
@@ -73,6 +73,17 @@ Result<RunHeader> parse_run_yaml(std::string_view text, const std::string& file,
   if (yaml.error) return fail(*yaml.error);
   log.warnings.insert(log.warnings.end(), yaml.warnings.begin(), yaml.warnings.end());
   return header;
+}
+
+void read_odometry_keys(YamlMap& odometry, OdometryAccuracy& accuracy) {
+  const auto read = [&](const char* key, double& value) {
+    value = odometry.number(key, value, kNotNegative);
+  };
+  read("distance_sigma_m_per_sqrt_m", accuracy.distance_sigma_m_per_sqrt_m);
+  read("heading_sigma_rad_per_sqrt_m", accuracy.heading_sigma_rad_per_sqrt_m);
+  read("heading_sigma_per_rad", accuracy.heading_sigma_per_rad);
+  read("floor_m", accuracy.floor_m);
+  read("floor_rad", accuracy.floor_rad);
 }
 
 Result<OdometryAccuracy> read_odometry_accuracy(const std::string& path, std::vector<std::string>& warnings) {

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "io/run/odometry_keys.h"
 #include "io/site/site_parts.h"
 #include "io/text/bounds.h"
 #include "io/yaml/yaml_reader.h"

@@ -36,17 +36,6 @@ Coordinates read_coordinates(const YamlNode& node, const std::string& name, Numb
   return values;
 }
 
-void read_odometry_keys(YamlMap& odometry, OdometryAccuracy& accuracy) {
-  const auto read = [&](const char* key, double& value) {
-    value = odometry.number(key, value, kNotNegative);
-  };
-  read("distance_sigma_m_per_sqrt_m", accuracy.distance_sigma_m_per_sqrt_m);
-  read("heading_sigma_rad_per_sqrt_m", accuracy.heading_sigma_rad_per_sqrt_m);
-  read("heading_sigma_per_rad", accuracy.heading_sigma_per_rad);
-  read("floor_m", accuracy.floor_m);
-  read("floor_rad", accuracy.floor_rad);
-}
-
 std::optional<Eigen::Vector3d> read_axis(YamlMap& map, const char* example, YamlLog& log) {
   const std::vector<double> numbers = map.numbers("axis", 3);
   if (numbers.size() != 3 || log.error) return std::nullopt;

@@ -39,9 +39,6 @@ using Coordinates = std::array<std::optional<double>, 3>;
 /// @param example  shown in the message about a vector of zero length
 [[nodiscard]] std::optional<Eigen::Vector3d> read_axis(YamlMap& map, const char* example, YamlLog& log);
 
-/// The block `odometry` of a run.yaml and of a scenario.
-void read_odometry_keys(YamlMap& odometry, OdometryAccuracy& accuracy);
-
 /// `beacons`; Site::timing has been read.
 void read_beacons(YamlMap& root, Site& site, YamlLog& log);
 /// `vehicles`, with their receivers, arrays, rails and ways to move.

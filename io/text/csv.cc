@@ -13,7 +13,7 @@
 #include "io/text/bounds.h"
 #include "io/text/csv_scan.h"
 #include "io/text/time_text.h"
-#include "io/tof/tof_columns.h"
+#include "io/tof_columns.h"
 #include "models/support/largest.h"
 
 namespace octant::io {

@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
-#include "models/changes/change.h"
+#include "models/change.h"
 #include "models/contradiction.h"
 
 namespace nlohmann {

@@ -8,7 +8,7 @@
 
 #include "models/changes/change_sigmas.h"
 #include "models/changes/chi_square.h"
-#include "models/trajectory/decompositions.h"
+#include "models/support/decompositions.h"
 
 namespace octant {
 namespace {

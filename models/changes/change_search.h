@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "models/changes/change.h"
+#include "models/change.h"
 #include "models/changes/innovation.h"
 
 namespace octant {

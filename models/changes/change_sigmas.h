@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "models/changes/change.h"
+#include "models/change.h"
 #include "models/parameter.h"
 
 namespace octant {

@@ -6,8 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "models/support/decompositions.h"
 #include "models/support/unit_diagonal.h"
-#include "models/trajectory/decompositions.h"
 
 namespace octant {
 namespace {

@@ -12,7 +12,7 @@
 #include "models/fix.h"
 #include "models/localizers/common/localizer.h"
 #include "models/localizers/kleeman/kleeman_heading.h"
-#include "models/localizers/line_map/line_map.h"
+#include "models/localizers/line_map/line_map_localizer.h"
 #include "models/run.h"
 #include "models/support/result.h"
 

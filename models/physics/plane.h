@@ -41,4 +41,9 @@ namespace octant {
 
 [[nodiscard]] inline double square(double x) { return x * x; }
 
+/// Larger eigenvalue of the symmetric matrix [xx xy; xy yy].
+[[nodiscard]] inline double largest_eigenvalue(double xx, double xy, double yy) {
+  return 0.5 * (xx + yy) + std::hypot(0.5 * (xx - yy), xy);
+}
+
 }  // namespace octant

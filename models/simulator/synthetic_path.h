@@ -7,7 +7,7 @@
 
 #include "models/physics/pose.h"
 #include "models/simulator/random.h"
-#include "models/simulator/synthetic.h"
+#include "models/simulator/scenario.h"
 
 namespace octant {
 

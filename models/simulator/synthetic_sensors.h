@@ -4,8 +4,9 @@
 
 #include "models/run.h"
 #include "models/simulator/random.h"
-#include "models/simulator/synthetic.h"
+#include "models/simulator/scenario.h"
 #include "models/simulator/synthetic_path.h"
+#include "models/support/result.h"
 #include "models/trajectory/shared_state.h"
 
 namespace octant {

@@ -4,7 +4,7 @@
 
 #include "models/deployment.h"
 #include "models/simulator/random.h"
-#include "models/simulator/synthetic.h"
+#include "models/simulator/scenario.h"
 #include "models/trajectory/shared_state.h"
 
 namespace octant {

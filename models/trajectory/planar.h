@@ -218,9 +218,4 @@ struct PlanarStep {
   }
 };
 
-/// Of the symmetric matrix [xx xy; xy yy].
-[[nodiscard]] inline double largest_eigenvalue(double xx, double xy, double yy) {
-  return 0.5 * (xx + yy) + std::hypot(0.5 * (xx - yy), xy);
-}
-
 }  // namespace octant

@@ -13,7 +13,6 @@
 #include "models/trajectory/linearise.h"
 #include "models/trajectory/node_step.h"
 #include "models/trajectory/planar.h"
-#include "models/trajectory/solve_states.h"
 #include "models/trajectory/spatial.h"
 #include "models/trajectory/stretches.h"
 

@@ -189,15 +189,6 @@ struct TrajectoryModel {
 /// What the states of a vehicle consist of in the model's own medium: of run 0, and standing.
 [[nodiscard]] StateSpace state_space(VehicleId vehicle, const TrajectoryModel& model);
 
-/// Builds the states of one vehicle of a run and attaches its observations.
-/// Epochs: one node each (chained by odometry where the run has it); measured poses interpolated at the
-/// epoch's arrivals. No epochs, odometry: nodes at its rows; arrivals and measured poses between them. No
-/// epochs, no odometry, no poses, but a motion prior: a node with a velocity for each instant of arrivals,
-/// tied by the prior. Else: one node for each distinct arrival time, with the measured pose of that time if
-/// there is one.
-[[nodiscard]] Trajectory make_trajectory(const MeasurementLog& log, std::size_t run, VehicleId vehicle,
-                                         const TrajectoryModel& model);
-
 /// Every so many-th segment of a trajectory with what belongs to it.
 [[nodiscard]] Trajectory some_segments(const Trajectory& trajectory, std::size_t stride);
 

@@ -8,9 +8,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "models/trajectory/decompositions.h"
+#include "models/support/decompositions.h"
 #include "survey/drawing/escape.h"
+#include "survey/drawing/palette.h"
 #include "survey/drawing/plan_frame.h"
+#include "survey/drawing/site_plan.h"
 #include "survey/drawing/svg_chart.h"
 #include "survey/geometry/quantity.h"
 

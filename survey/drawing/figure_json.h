@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "survey/report/report.h"
+#include "survey/drawing/chart_data.h"
+#include "survey/drawing/plan_input.h"
 
 namespace octant::survey {
 

@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 
 #include "survey/drawing/escape.h"
+#include "survey/drawing/palette.h"
 #include "survey/drawing/plan_frame.h"
+#include "survey/drawing/site_plan.h"
 
 namespace octant::survey {
 namespace {

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
-#include "survey/drawing/site_plan.h"
+#include "survey/drawing/plan_input.h"
 
 namespace octant::survey {
 
@@ -16,6 +18,11 @@ namespace octant::survey {
 [[nodiscard]] bool is_drawn(const DeploymentBeacon& beacon);
 /// The drawn beacon of that name; null if there is no such beacon or it is not drawn.
 [[nodiscard]] const DeploymentBeacon* drawn_beacon(const Deployment& deployment, const std::string& name);
+
+/// A plan shows no more marks of a kind than this; more would not be seen.
+inline constexpr std::size_t kMaxMarks = 2000;
+/// Thins a list of points evenly to at most kMaxMarks.
+[[nodiscard]] std::vector<Eigen::Vector3d> thinned(const std::vector<Eigen::Vector3d>& points_m);
 
 inline constexpr double kPlanWidth_px = 900.0, kPlanMargin_px = 46.0;
 

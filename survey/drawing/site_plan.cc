@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "models/trajectory/decompositions.h"
+#include "models/support/decompositions.h"
 #include "survey/drawing/escape.h"
 #include "survey/drawing/plan_frame.h"
 

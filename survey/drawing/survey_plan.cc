@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "survey/map/binned_map.h"
+#include "survey/drawing/binned_map.h"
 
 namespace octant::survey {
 namespace {

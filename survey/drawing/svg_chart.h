@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "survey/report/report.h"
+#include "survey/drawing/chart_data.h"
 
 namespace octant::survey {
 

@@ -7,6 +7,7 @@
 
 #include "models/support/parallel.h"
 #include "survey/geometry/layer_sigma.h"
+#include "survey/geometry/map_kernel.h"
 #include "survey/geometry/map_tiles.h"
 
 namespace octant::survey {

@@ -13,7 +13,7 @@
 #include <cstdint>
 
 #include "models/support/vector-inl.h"
-#include "survey/geometry/map_kernel.h"
+#include "survey/geometry/kernel_tile.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace octant::survey {

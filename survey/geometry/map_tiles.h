@@ -3,8 +3,12 @@
 #pragma once
 // Private to survey/: from a model and poses to what map_kernel.h takes.
 
-#include "survey/geometry/geometry_map.h"
-#include "survey/geometry/map_kernel.h"
+#include <cstddef>
+#include <vector>
+
+#include "survey/geometry/geometry_figures.h"
+#include "survey/geometry/kernel_tile.h"
+#include "survey/geometry/survey_model.h"
 
 namespace octant::survey {
 

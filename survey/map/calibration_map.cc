@@ -8,8 +8,8 @@
 
 #include <Eigen/Geometry>
 
+#include "models/support/decompositions.h"
 #include "models/support/observed.h"
-#include "models/trajectory/decompositions.h"
 
 namespace octant::survey {
 namespace {

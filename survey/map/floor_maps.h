@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "survey/map/survey.h"
+#include "survey/map/survey_result.h"
 
 namespace octant::survey {
 

@@ -9,7 +9,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "models/trajectory/decompositions.h"
+#include "models/support/decompositions.h"
 
 namespace octant::survey {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "survey/geometry/geometry_map.h"
-#include "survey/placement/placement.h"
+#include "survey/placement/placement_options.h"
 
 namespace octant::survey {
 

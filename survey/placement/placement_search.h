@@ -7,7 +7,7 @@
 
 #include "survey/placement/layout_score.h"
 #include "survey/placement/mounts.h"
-#include "survey/placement/placement.h"
+#include "survey/placement/placement_options.h"
 
 namespace octant::survey {
 

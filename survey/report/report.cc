@@ -32,12 +32,6 @@ std::string directivity_in_words(const Deployment& d) {
              : text + fmt::format(", sigma {:.2g} degrees", std::sqrt(d.covariance.matrix(at, at)) / kDegree);
 }
 
-Unit ResidualChart::time() const {
-  double largest_s = 0.0;
-  for (const ResidualBin& bin : bins) largest_s = std::max(largest_s, bin.rms_s);
-  return time_unit(largest_s);
-}
-
 double radius95_m(const DeploymentBeacon& beacon) {
   // The larger eigenvalue of the 2 x 2 covariance, in closed form.
   const auto& C = beacon.covariance_m2;

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "models/trajectory/decompositions.h"
+#include "models/support/decompositions.h"
 #include "survey/geometry/quantity.h"
 #include "survey/report/report_sections.h"
 

@@ -8,6 +8,7 @@
 
 #include "models/physics/polygon.h"
 #include "survey/geometry/geometry_map.h"
+#include "survey/geometry/make_survey_model.h"
 #include "survey/geometry/quantity.h"
 #include "survey/map/floor_grid.h"
 #include "survey/map/survey.h"

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "survey/drawing/site_plan.h"
 #include "survey/report/report_sections.h"
 
 namespace octant::survey {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "survey/geometry/quantity.h"
+#include "survey/report/report.h"
 #include "survey/report/report_sections.h"
 
 namespace octant::survey {

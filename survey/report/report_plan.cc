@@ -6,6 +6,7 @@
 
 #include "survey/drawing/figure_json.h"
 #include "survey/drawing/plan_frame.h"
+#include "survey/drawing/site_plan.h"
 #include "survey/report/report_sections.h"
 
 namespace octant::survey {

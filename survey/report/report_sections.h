@@ -3,8 +3,10 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
-#include "survey/report/report.h"
+#include "survey/report/report_document.h"
+#include "survey/report/report_input.h"
 
 namespace octant::survey {
 

@@ -6,6 +6,7 @@
 
 #include "models/support/enum_names.h"
 #include "survey/geometry/quantity.h"
+#include "survey/report/report.h"
 #include "survey/report/report_sections.h"
 
 namespace octant::survey {

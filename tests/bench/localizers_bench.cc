@@ -7,7 +7,8 @@
 
 #include "io/site/scenario_yaml.h"
 #include "models/localizers/drive/drive_tracker.h"
-#include "models/localizers/line_map/line_map.h"
+#include "models/localizers/drive/odometry_track.h"
+#include "models/localizers/line_map/line_map_localizer.h"
 #include "models/localizers/methods.h"
 #include "tests/support/worlds.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "models/changes/change.h"
+#include "models/change.h"
 #include "models/deployment.h"
 #include "models/simulator/synthetic.h"
 

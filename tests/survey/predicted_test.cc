@@ -10,6 +10,7 @@
 
 #include "models/localizers/least_squares/epoch_fix.h"
 #include "models/simulator/random.h"
+#include "survey/geometry/make_survey_model.h"
 #include "survey/geometry/map_tiles.h"
 #include "survey/map/calibration_map.h"
 #include "survey/map/survey.h"

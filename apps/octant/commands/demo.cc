@@ -13,6 +13,7 @@
 #include "io/run/tum.h"
 #include "io/site/scenario_yaml.h"
 #include "io/text/atomic_file.h"
+#include "survey/drawing/site_plan.h"
 
 namespace octant::app {
 namespace {

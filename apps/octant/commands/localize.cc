@@ -9,9 +9,10 @@
 #include "apps/octant/interrupt.h"
 #include "apps/octant/live/follow.h"
 #include "apps/octant/outputs.h"
+#include "apps/octant/steps/method_options.h"
 #include "apps/octant/steps/steps.h"
+#include "apps/octant/steps/validity_words.h"
 #include "apps/octant/text/layout.h"
-#include "apps/octant/text/validity_words.h"
 #include "io/run/tum.h"
 #include "io/text/atomic_file.h"
 

@@ -7,8 +7,8 @@
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
 #include "apps/octant/steps/revisiting.h"
+#include "apps/octant/steps/validity_words.h"
 #include "apps/octant/text/changes_text.h"
-#include "apps/octant/text/validity_words.h"
 
 namespace octant::app {
 namespace {

@@ -8,10 +8,11 @@
 #include "apps/octant/commands.h"
 #include "apps/octant/interrupt.h"
 #include "apps/octant/outputs.h"
+#include "apps/octant/steps/method_options.h"
 #include "apps/octant/steps/reporting.h"
+#include "apps/octant/steps/validity_words.h"
 #include "apps/octant/text/changes_text.h"
 #include "apps/octant/text/layout.h"
-#include "apps/octant/text/validity_words.h"
 
 namespace octant::app {
 namespace {

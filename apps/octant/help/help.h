@@ -16,8 +16,6 @@ void add_help(CLI::App& app, CommonOptions& common, Action& action);
 void add_explain(CLI::App& app, CommonOptions& common, Action& action);
 void add_completion(CLI::App& app, CommonOptions& common, Action& action);
 
-inline constexpr std::string_view kCommonGroup = "Common options";
-
 /// Help of a command or the program as --help prints it: at most 80 columns, a command's own options before
 /// the common ones.
 [[nodiscard]] std::string help_of(const CLI::App& command);

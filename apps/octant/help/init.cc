@@ -8,7 +8,7 @@
 #include "apps/octant/help/help.h"
 #include "apps/octant/help/site_template.h"
 #include "apps/octant/outputs.h"
-#include "apps/octant/steps/steps.h"
+#include "io/run/run_ids.h"
 #include "io/text/atomic_file.h"
 
 namespace octant::app {

@@ -11,6 +11,7 @@
 #include "apps/octant/text/layout.h"
 #include "apps/octant/text/report_json.h"
 #include "io/deployment/deployment_json.h"
+#include "survey/drawing/plan_frame.h"
 
 namespace octant::app {
 namespace {

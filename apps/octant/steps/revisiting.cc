@@ -12,9 +12,9 @@
 #include "apps/octant/options.h"
 #include "apps/octant/progress.h"
 #include "apps/octant/steps/steps.h"
+#include "apps/octant/steps/validity_words.h"
 #include "apps/octant/text/changes_text.h"
 #include "apps/octant/text/layout.h"
-#include "apps/octant/text/validity_words.h"
 #include "io/deployment/deployment_json.h"
 
 namespace octant::app {

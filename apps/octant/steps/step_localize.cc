@@ -147,15 +147,6 @@ Json integrity_json(const Localization& localization) {
   return object;
 }
 
-MethodInput method_input(const MethodArgs& args, const Deployment& deployment) {
-  MethodInput input;
-  input.kleeman_heading = args.heading;
-  if (args.map.empty()) return input;
-  input.line_map =
-      need(build_line_map(need(io::read_run(args.map, names_of(deployment), deployment.timing))));
-  return input;
-}
-
 void check_truth(const std::vector<MeasurementLog>& runs) {
   for (const MeasurementLog& run : runs)
     if (run.truth.empty())

@@ -9,6 +9,7 @@
 
 #include "apps/octant/steps/reporting.h"
 #include "calib/calibrate.h"
+#include "survey/drawing/plan_frame.h"
 
 namespace octant::app {
 namespace {

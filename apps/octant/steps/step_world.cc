@@ -10,8 +10,10 @@
 #include <sys/stat.h>
 
 #include "apps/octant/interrupt.h"
+#include "apps/octant/outputs.h"
 #include "apps/octant/steps/steps.h"
 #include "io/deployment/deployment_json.h"
+#include "io/run/run_files.h"
 #include "io/site/site_yaml.h"
 #include "io/text/atomic_file.h"
 #include "io/text/staging.h"
@@ -20,11 +22,6 @@ namespace octant::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-[[noreturn]] void fail_output(const fs::path& path, const std::string& found,
-                              const std::string& advice = {}) {
-  fail_with({.code = Errc::kOutput, .file = path.string(), .found = found, .advice = advice});
-}
 
 /// The first thing in the folder that no world has, if any.
 std::optional<fs::path> stranger_in(const fs::path& folder, const std::vector<std::string>& may_replace) {
@@ -101,15 +98,6 @@ std::error_code exchange_content(const fs::path& fresh, const fs::path& target, 
 }
 
 }  // namespace
-
-void check_output(const std::string& path) {
-  if (path == "-" || path.empty()) return;
-  std::error_code error;
-  if (fs::is_directory(path, error)) fail_output(path, "is a folder", "name a file");
-  const fs::path parent = fs::path(path).parent_path();
-  if (!parent.empty() && !fs::is_directory(parent, error))
-    fail_output(path, fmt::format("the folder '{}' does not exist", parent.string()), "create it first");
-}
 
 World simulated(const Scenario& scenario, const Session& session) {
   const ExitAtOnce nothing_written_yet;

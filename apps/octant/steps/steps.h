@@ -26,9 +26,6 @@ namespace octant::app {
 
 class ProgressReporter;
 
-/// Fails early where an output could not be written anyway: its folder is missing, or it is a folder.
-void check_output(const std::string& path);
-
 /// At which a column distance_m of tof.csv is read; 0 where the medium's speed is not constant, and there may
 /// be none.
 [[nodiscard]] inline double constant_speed_mps(const Medium& medium) {
@@ -146,19 +143,6 @@ struct LeftOutOfBeacon {
 /// A line that names those that lost most of theirs; empty: none did. {arrivals: {by_beacon: {id: count}}}.
 [[nodiscard]] std::string left_out_text(const std::vector<LeftOutOfBeacon>& beacons);
 [[nodiscard]] Json left_out_json(const std::vector<LeftOutOfBeacon>& beacons);
-
-/// --method and what some methods take beside deployment and run.
-struct MethodArgs {
-  Method method = Method::kAuto;
-  std::string map;  ///< a run with scans and measured poses, for a line map; empty: none
-  KleemanHeading heading = KleemanHeading::kInterpolation;
-};
-[[nodiscard]] MethodInput method_input(const MethodArgs& args, const Deployment& deployment);
-
-/// A line map starts from the run's first measured pose; no other method looks at poses.tum.
-[[nodiscard]] inline bool looks_at_poses(const MethodArgs& args) {
-  return args.method == Method::kLineMap || !args.map.empty();
-}
 
 /// Fails where a run has no reference.
 void check_truth(const std::vector<MeasurementLog>& runs);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/octant/session.h"
-#include "models/changes/change.h"
+#include "models/change.h"
 #include "models/changes/reception.h"
 #include "survey/report/report.h"
 

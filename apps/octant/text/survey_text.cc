@@ -13,8 +13,8 @@
 #include "io/import/plan_import.h"
 #include "io/import/png.h"
 #include "io/text/atomic_file.h"
+#include "survey/drawing/binned_map.h"
 #include "survey/drawing/survey_plan.h"
-#include "survey/map/binned_map.h"
 #include "survey/map/survey_csv.h"
 #include "survey/page/survey_verdict.h"
 

@@ -16,6 +16,7 @@
 #include "calib/stream/side_by_side.h"
 #include "calib/sums/over_ranks.h"
 #include "calib/sums/reduced_system.h"
+#include "models/trajectory/make_trajectory.h"
 #include "models/trajectory/solve_states.h"
 #include "models/trajectory/stretches.h"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "models/trajectory/decompositions.h"
+#include "models/support/decompositions.h"
 
 namespace octant {
 

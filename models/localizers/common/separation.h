@@ -7,9 +7,9 @@
 #include <Eigen/Core>
 
 #include "models/ids.h"
+#include "models/physics/plane.h"
 #include "models/support/scratch.h"
 #include "models/trajectory/linearise.h"
-#include "models/trajectory/planar.h"
 
 namespace octant {
 

@@ -8,7 +8,8 @@
 #include <Eigen/Geometry>
 
 #include "models/localizers/common/arrival_rejections.h"
-#include "models/localizers/drive/drive_start.h"
+#include "models/localizers/start/drive_start.h"
+#include "models/localizers/start/stretch_states.h"
 
 namespace octant {
 namespace {

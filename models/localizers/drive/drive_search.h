@@ -9,7 +9,7 @@
 #include "models/localizers/drive/beacon_bank.h"
 #include "models/localizers/drive/drive_filter.h"
 #include "models/localizers/drive/start_window.h"
-#include "models/localizers/drive/tracker.h"
+#include "models/localizers/start/tracker_options.h"
 #include "models/support/scratch.h"
 
 namespace octant {

@@ -12,7 +12,11 @@
 #include "models/localizers/drive/drive_search.h"
 #include "models/localizers/drive/loss_test.h"
 #include "models/localizers/drive/odometry_queue.h"
+#include "models/localizers/start/drive_start.h"
+#include "models/localizers/start/stretch_states.h"
 #include "models/physics/plane.h"
+#include "models/support/scratch.h"
+#include "models/trajectory/odometry_noise.h"
 
 namespace octant {
 namespace {

@@ -8,7 +8,7 @@
 #include "models/deployment.h"
 #include "models/fix.h"
 #include "models/localizers/common/localizer.h"
-#include "models/localizers/drive/tracker.h"
+#include "models/localizers/start/tracker_options.h"
 #include "models/run.h"
 
 namespace octant {

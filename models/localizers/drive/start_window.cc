@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "models/localizers/start/stretch_states.h"
 #include "models/physics/plane.h"
 #include "models/support/scratch.h"
 #include "models/trajectory/observed_range.h"

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "models/localizers/drive/drive_filter.h"
-#include "models/localizers/drive/drive_start.h"
 #include "models/localizers/least_squares/epoch_fix.h"
+#include "models/localizers/start/drive_start.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant {

@@ -6,25 +6,12 @@
 
 #include "models/deployment.h"
 #include "models/fix.h"
-#include "models/localizers/least_squares/epoch_fix.h"
+#include "models/localizers/least_squares/epoch_fix_model.h"
+#include "models/localizers/start/tracker_options.h"
 #include "models/run.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant {
-
-struct TrackerOptions {
-  double rejection_sigmas = 4.0;
-  double start_window_s =
-      2.0;  ///< shortest stretch from which the first pose is searched; grows until it is unambiguous
-  double max_start_window_s = 120.0;
-  double range_uncertainty_m = 0.0;  ///< as in EpochFixOptions
-  bool protect = false;  ///< protection levels. Of a filter: as many filters more as beacons are heard, and
-                         ///< one whose beacon is at fault takes over; of a smoothed drive: as many solutions
-                         ///< more (chain_protection.h; space_track.h)
-  bool estimate_speed = false;  ///< of a filter: the speed is unknown where arrivals state no temperature
-  int threads = 1;              ///< on stretches of a drive that is smoothed
-  bool smooth = true;  ///< use the whole run (fixed-interval smoothing); false: only what came before
-};
 
 /// Initial states of a moving trajectory with odometry: stretches are placed as rigid pieces of the odometry
 /// path by a search over poses, joined, and solved robustly. Without odometry, but with a motion prior: by

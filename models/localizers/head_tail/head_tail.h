@@ -11,7 +11,7 @@
 #include "models/localizers/common/localizer.h"
 #include "models/localizers/common/pair_ranges.h"
 #include "models/localizers/common/range_propagation.h"
-#include "models/localizers/least_squares/triangles.h"
+#include "models/localizers/head_tail/triangles.h"
 
 namespace octant {
 

@@ -26,6 +26,9 @@ namespace octant {
 // and here: the arrivals of one cycle through all of it. The speed of sound from their redundancy:
 // models/localizers/speed/run_speed.h.
 
+struct KleemanVehicle;  // kleeman_work.h
+struct KleemanWork;
+
 struct KleemanOptions {
   KleemanHeading heading = KleemanHeading::kInterpolation;
   double triangle_sigmas = 4.0;  ///< tolerance of eq. 5-6
@@ -65,8 +68,8 @@ class Kleeman : public Localizer {
   /// beacon whose other arrivals agree are kLate, agreeing beacons in none of the averaged triples are
   /// kNotNeeded.
   void locate_known(const Observations& observations, Fix& fix) noexcept override;
-  struct Vehicle;
-  struct Work;
+  using Vehicle = KleemanVehicle;
+  using Work = KleemanWork;
 
   [[nodiscard]] FixStatus place(std::span<const Arrival> arrivals) noexcept;
   void gather(std::span<const Arrival> arrivals) noexcept;

@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 
+#include "models/localizers/kleeman/kleeman.h"
 #include "models/localizers/kleeman/kleeman_work.h"
 
 namespace octant {

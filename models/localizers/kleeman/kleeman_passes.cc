@@ -3,6 +3,7 @@
 // From arrivals at receivers to distances of beacons from the vehicle's centre.
 #include <limits>
 
+#include "models/localizers/kleeman/kleeman.h"
 #include "models/localizers/kleeman/kleeman_work.h"
 #include "models/physics/range.h"
 

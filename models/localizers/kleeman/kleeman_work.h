@@ -1,19 +1,22 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Inside of Kleeman; not for others to include.
+// Private to Kleeman: what it keeps of a vehicle, and of the call under way.
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "models/localizers/kleeman/kleeman.h"
+#include "models/deployment.h"
+#include "models/localizers/kleeman/kleeman_heading.h"
+#include "models/localizers/kleeman/kleeman_longsolve.h"
 
 namespace octant {
 
-/// What a vehicle brings: its array, the beacons as its receivers' plane sees them, and where it was.
-struct Kleeman::Vehicle {
-  Vehicle(const Deployment& deployment, const SiteVehicle& vehicle, const LongsolveOptions& options)
+/// A vehicle as the method sees it: its array, the beacons as its receivers' plane sees them, and where it
+/// was.
+struct KleemanVehicle {
+  KleemanVehicle(const Deployment& deployment, const SiteVehicle& vehicle, const LongsolveOptions& options)
       : first_receiver(vehicle.first_receiver),
         drift(deployment.timing.clock == Clock::kCycleOffset ? vehicle.clock_drift : 0.0),
         receivers(receivers_of(deployment, vehicle)),
@@ -67,9 +70,9 @@ struct Kleeman::Vehicle {
   }
 };
 
-/// Of the call under way.
-struct Kleeman::Work {
-  Vehicle* vehicle = nullptr;  ///< null: no arrivals of a vehicle that has receivers
+/// State of the call under way.
+struct KleemanWork {
+  KleemanVehicle* vehicle = nullptr;  ///< null: no arrivals of a vehicle that has receivers
   std::vector<HeardDistance> heard;
   std::size_t arrivals = 0;
   double speed_mps = 343.0;   ///< at the mean temperature

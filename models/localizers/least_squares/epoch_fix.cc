@@ -17,9 +17,8 @@
 #include "models/localizers/least_squares/rivals.h"
 #include "models/localizers/least_squares/spatial_start.h"
 #include "models/physics/plane.h"
+#include "models/support/decompositions.h"
 #include "models/support/observed.h"
-#include "models/trajectory/decompositions.h"
-#include "models/trajectory/planar.h"
 
 namespace octant {
 namespace {

@@ -10,8 +10,10 @@
 #include "models/localizers/common/open_attitude.h"
 #include "models/localizers/common/protection.h"
 #include "models/localizers/common/trajectory_model.h"
+#include "models/localizers/least_squares/epoch_fix.h"
 #include "models/localizers/least_squares/node_adjustment.h"
 #include "models/localizers/least_squares/place_fix.h"
+#include "models/trajectory/make_trajectory.h"
 
 namespace octant {
 namespace {

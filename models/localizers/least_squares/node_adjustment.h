@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "models/localizers/common/correlated_arrivals.h"
-#include "models/localizers/least_squares/epoch_fix.h"
+#include "models/localizers/least_squares/epoch_fix_model.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant {

@@ -9,7 +9,7 @@
 
 #include "models/deployment.h"
 #include "models/fix.h"
-#include "models/localizers/least_squares/epoch_fix.h"
+#include "models/localizers/least_squares/epoch_fix_model.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant {

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include "models/localizers/least_squares/epoch_fix.h"
+#include "models/localizers/least_squares/epoch_fix_model.h"
 #include "models/support/scratch.h"
 #include "models/trajectory/trajectory.h"
 

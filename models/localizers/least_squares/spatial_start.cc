@@ -13,7 +13,7 @@
 #include <Eigen/Cholesky>
 
 #include "models/localizers/least_squares/search_problem.h"
-#include "models/trajectory/decompositions.h"
+#include "models/support/decompositions.h"
 
 namespace octant {
 

@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "models/localizers/least_squares/epoch_fix.h"
+#include "models/localizers/least_squares/epoch_fix_model.h"
 #include "models/localizers/least_squares/search_problem.h"
 
 namespace octant {

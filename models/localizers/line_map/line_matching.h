@@ -7,7 +7,9 @@
 
 #include <Eigen/Core>
 
+#include "models/localizers/drive/odometry_track.h"
 #include "models/localizers/line_map/line_map.h"
+#include "models/support/scratch.h"
 
 namespace octant {
 

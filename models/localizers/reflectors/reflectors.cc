@@ -10,8 +10,8 @@
 
 #include "models/physics/plane.h"
 #include "models/physics/pose.h"
+#include "models/support/decompositions.h"
 #include "models/support/observed.h"
-#include "models/trajectory/decompositions.h"
 
 namespace octant {
 namespace {

@@ -13,7 +13,7 @@
 #include "models/localizers/common/open_attitude.h"
 #include "models/localizers/common/rows_by_pose.h"
 #include "models/physics/plane.h"
-#include "models/trajectory/decompositions.h"
+#include "models/support/decompositions.h"
 
 namespace octant {
 namespace {

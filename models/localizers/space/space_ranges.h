@@ -12,7 +12,8 @@
 
 #include "models/localizers/common/arrival_range.h"
 #include "models/localizers/common/calibration_part.h"
-#include "models/localizers/space/space_track.h"
+#include "models/localizers/space/space_track_options.h"
+#include "models/run.h"
 
 namespace octant {
 

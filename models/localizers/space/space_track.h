@@ -7,16 +7,10 @@
 #include "models/deployment.h"
 #include "models/fix.h"
 #include "models/localizers/common/rows_by_pose.h"
+#include "models/localizers/space/space_track_options.h"
 #include "models/run.h"
 
 namespace octant {
-
-struct SpaceTrackOptions {
-  double rejection_sigmas = 4.0;
-  double max_gap_s = 5.0;        ///< without arrivals, after which the place is searched anew
-  double speed_sigma_mps = 3.0;  ///< of each component, before anything is heard
-  bool protect = false;  ///< protection levels, at the cost of a filter and a smoother more for each beacon
-};
 
 /// Whether the arrivals of a run can be tracked in space: there is neither odometry nor a motion prior, and
 /// the clocks are synchronised.

@@ -11,7 +11,7 @@
 #include "models/localizers/common/trajectory_model.h"
 #include "models/localizers/drive/tracker.h"
 #include "models/localizers/least_squares/epoch_fix.h"
-#include "models/trajectory/trajectory.h"
+#include "models/trajectory/make_trajectory.h"
 #include "models/validity.h"
 
 namespace octant {

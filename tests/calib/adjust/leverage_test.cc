@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
 
+#include "models/trajectory/make_trajectory.h"
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {

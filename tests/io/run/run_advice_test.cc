@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
+#include "io/run/run_files.h"
 #include "io/run/run_folder.h"
 
 #include "tests/io/io_support.h"

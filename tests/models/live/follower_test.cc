@@ -9,6 +9,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "models/localizers/drive/tracker.h"
+#include "models/localizers/least_squares/epoch_fix.h"
 #include "tests/models/live/live_support.h"
 #include "tests/models/localizers/drive_world.h"
 #include "tests/models/localizers/hall.h"

@@ -12,7 +12,7 @@
 
 #include "io/run/run_folder.h"
 #include "io/site/site_yaml.h"
-#include "models/localizers/line_map/line_map.h"
+#include "models/localizers/line_map/line_map_localizer.h"
 #include "tests/support/worlds.h"
 
 namespace octant {

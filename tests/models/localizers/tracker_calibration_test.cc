@@ -14,6 +14,7 @@
 #include "models/localizers/common/correlated_arrivals.h"
 #include "models/localizers/common/trajectory_model.h"
 #include "models/localizers/drive/tracker.h"
+#include "models/localizers/least_squares/epoch_fix.h"
 #include "models/localizers/methods.h"
 #include "tests/models/localizers/hall.h"
 #include "tests/support/statistics.h"

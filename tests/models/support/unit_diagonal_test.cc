@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "models/trajectory/decompositions.h"
+#include "models/support/decompositions.h"
 
 namespace octant::test {
 namespace {

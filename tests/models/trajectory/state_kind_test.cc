@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "models/trajectory/make_trajectory.h"
 #include "tests/support/worlds.h"
 
 namespace octant::test {

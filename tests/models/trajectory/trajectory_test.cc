@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "models/trajectory/trajectory.h"
+#include "models/trajectory/make_trajectory.h"
 
 #include <cmath>
 #include <random>

@@ -10,7 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "models/simulator/random.h"
+#include "survey/drawing/palette.h"
 #include "survey/drawing/plan_frame.h"
+#include "survey/drawing/site_plan.h"
 #include "tests/survey/report_input.h"
 
 namespace octant::survey {

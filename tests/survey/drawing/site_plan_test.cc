@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "survey/drawing/palette.h"
 #include "survey/drawing/plan_frame.h"
 #include "tests/survey/report_input.h"
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #include "survey/drawing/survey_plan.h"
+#include "survey/geometry/make_survey_model.h"
 
 #include <cmath>
 #include <cstdio>

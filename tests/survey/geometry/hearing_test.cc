@@ -8,6 +8,7 @@
 #include "models/physics/polygon.h"
 #include "models/simulator/random.h"
 #include "survey/geometry/geometry_map.h"
+#include "survey/geometry/make_survey_model.h"
 #include "survey/schedule/floor_schedule.h"
 #include "survey/schedule/stop_places.h"
 #include "tests/survey/halls.h"

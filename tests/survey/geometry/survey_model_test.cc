@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "survey/geometry/survey_model.h"
+#include "survey/geometry/make_survey_model.h"
 
 #include <cmath>
 #include <numbers>

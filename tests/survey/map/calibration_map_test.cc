@@ -3,6 +3,7 @@
 // A calibration that is wrong by a similarity of the whole place moves every fix by that similarity, whatever
 // the geometry; besides a dense sum where beacons are wrong each by itself.
 #include "survey/map/calibration_map.h"
+#include "survey/geometry/make_survey_model.h"
 
 #include <cmath>
 

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "survey/geometry/make_survey_model.h"
 #include "survey/map/floor_maps.h"
 #include "tests/survey/small_scene.h"
 

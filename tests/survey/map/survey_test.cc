@@ -13,6 +13,7 @@
 #include "models/physics/polygon.h"
 #include "models/physics/receiver_array.h"
 #include "models/simulator/random.h"
+#include "survey/geometry/make_survey_model.h"
 #include "survey/geometry/map_tiles.h"
 #include "survey/geometry/scene_check.h"
 #include "survey/map/calibration_map.h"

@@ -6,8 +6,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "survey/drawing/binned_map.h"
 #include "survey/drawing/palette.h"
-#include "survey/map/binned_map.h"
+#include "survey/geometry/make_survey_model.h"
 #include "survey/map/survey_csv.h"
 #include "survey/page/survey_verdict.h"
 #include "tests/support/worlds.h"

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What layouts are ranked by, against sigmas one by one and sorted lists.
 #include "survey/placement/layout_score.h"
+#include "survey/geometry/make_survey_model.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "survey/geometry/make_survey_model.h"
 #include "survey/map/floor_grid.h"
 #include "tests/survey/halls.h"
 

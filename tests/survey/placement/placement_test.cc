@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "models/physics/polygon.h"
+#include "survey/geometry/make_survey_model.h"
 #include "survey/page/proof_sheet.h"
 #include "survey/placement/mounts.h"
 #include "tests/survey/halls.h"

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "survey/geometry/geometry_map.h"
+#include "survey/geometry/make_survey_model.h"
 #include "tests/survey/report_input.h"
 
 namespace octant::survey {

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "models/trajectory/trajectory.h"
+#include "models/trajectory/make_trajectory.h"
 #include "tests/support/worlds.h"
 
 namespace octant::test {

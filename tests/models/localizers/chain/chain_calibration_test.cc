@@ -7,6 +7,7 @@
 
 #include "models/localizers/common/trajectory_model.h"
 #include "models/localizers/drive/tracker.h"
+#include "models/trajectory/make_trajectory.h"
 #include "tests/models/localizers/drive_world.h"
 
 namespace octant::test {

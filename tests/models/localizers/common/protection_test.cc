@@ -10,6 +10,7 @@
 #include "models/localizers/least_squares/epoch_fix.h"
 #include "models/localizers/least_squares/node_adjustment.h"
 #include "models/trajectory/linearise.h"
+#include "models/trajectory/make_trajectory.h"
 #include "tests/models/localizers/off_truth.h"
 #include "tests/support/worlds.h"
 

@@ -6,6 +6,7 @@
 
 #include "models/localizers/common/trajectory_model.h"
 #include "models/localizers/least_squares/epoch_fix.h"
+#include "models/trajectory/make_trajectory.h"
 #include "tests/models/localizers/hall.h"
 
 namespace octant::test {

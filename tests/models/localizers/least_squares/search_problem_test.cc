@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "models/localizers/common/trajectory_model.h"
-#include "models/localizers/drive/rigid_path.h"
 #include "models/localizers/least_squares/epoch_fix.h"
+#include "models/localizers/start/rigid_path.h"
 #include "tests/models/localizers/exact_drive.h"
 
 namespace octant::test {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "models/localizers/line_map/line_map.h"
+#include "models/localizers/line_map/line_map_localizer.h"
 
 #include <cmath>
 #include <iostream>

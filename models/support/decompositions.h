@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+
+namespace octant {
+
+/// Eigen's decompositions, computed in one unit (decompositions.cc): each other unit that computed one would
+/// spend seconds on its templates. What they hold is read as Eigen has it.
+
+/// Square matrix of at most seven rows that needs no allocation: a block of the largest state.
+using SmallSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 7, 7>;
+
+/// @tparam Matrix  MatrixXd, SmallSquare, or fixed up to 4 x 4
+template <class Matrix>
+class SymmetricEigen : public Eigen::SelfAdjointEigenSolver<Matrix> {
+ public:
+  explicit SymmetricEigen(const Matrix& symmetric, int options = Eigen::ComputeEigenvectors);
+};
+
+extern template class SymmetricEigen<Eigen::MatrixXd>;
+extern template class SymmetricEigen<SmallSquare>;
+extern template class SymmetricEigen<Eigen::Matrix2d>;
+extern template class SymmetricEigen<Eigen::Matrix3d>;
+extern template class SymmetricEigen<Eigen::Matrix4d>;
+
+/// R = R' with R R = A, of a symmetric matrix without its negative eigenvalues: it follows A continuously.
+[[nodiscard]] Eigen::MatrixXd symmetric_root(const Eigen::MatrixXd& A);
+
+/// R with C = R R' of a covariance that may have lost rank to rounding; columns that give nothing are left
+/// out.
+[[nodiscard]] Eigen::MatrixXd covariance_root(const Eigen::MatrixXd& C);
+
+class PivotedQr : public Eigen::ColPivHouseholderQR<Eigen::MatrixXd> {
+ public:
+  explicit PivotedQr(const Eigen::MatrixXd& matrix);
+  /// Orthonormal columns with the span of the matrix, as many as its rank.
+  [[nodiscard]] Eigen::MatrixXd basis() const;
+  /// Q' B.
+  [[nodiscard]] Eigen::MatrixXd transposed_times(Eigen::MatrixXd B) const;
+};
+
+class DenseLdlt : public Eigen::LDLT<Eigen::MatrixXd> {
+ public:
+  explicit DenseLdlt(const Eigen::MatrixXd& symmetric);
+};
+
+}  // namespace octant
