@@ -15,6 +15,9 @@ namespace {
 /// hears the surer it is of that.
 constexpr double kLeastKnownTurn_rad = 0.2;
 
+/// Difference of the shares of accepted arrivals that chance makes.
+constexpr double kLessAccepted = 0.05;
+
 /// Without one of so many beacons the pose is open: in space it turns about the line through two of them.
 /// With one more a fault is seen, but not whose it is.
 template <int kDof>
@@ -138,7 +141,9 @@ double BeaconBankOf<kDof>::protection_level_m(Filter& filter) {
         (filter.pose().translation_m - slot.filter.pose().translation_m).template head<2>().norm();
     const double sigma_m = std::sqrt(horizontal_variance(slot.filter.covariance()));
     worst_m = std::max(worst_m, off_m + kFaultySigmas * sigma_m);
-    if (off_m > worst_sigmas * sigma_m) {
+    // A filter that rejects more than the drive's has lost the place itself, and accuses no beacon.
+    const bool agrees = slot.filter.acceptance() > filter.acceptance() - kLessAccepted;
+    if (agrees && off_m > worst_sigmas * sigma_m) {
       worst_sigmas = off_m / sigma_m;
       at_fault = &slot;
     }

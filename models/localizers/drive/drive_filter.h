@@ -99,6 +99,8 @@ class DriveFilterOf {
   [[nodiscard]] Covariance covariance() const { return P_.template topLeftCorner<kDof, kDof>(); }
   /// Of the recent arrivals (exponentially forgotten over some thirty) too few could be used.
   [[nodiscard]] bool is_lost() const { return acceptance_ < 0.35; }
+  /// Share of the recent arrivals that could be used.
+  [[nodiscard]] double acceptance() const { return acceptance_; }
   void set_range_uncertainty(double range_uncertainty_m) { range_uncertainty_m_ = range_uncertainty_m; }
 
   /// Room for what `start` takes.
