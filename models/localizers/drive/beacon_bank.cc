@@ -18,6 +18,10 @@ constexpr double kLeastKnownTurn_rad = 0.2;
 /// Difference of the shares of accepted arrivals that chance makes.
 constexpr double kLessAccepted = 0.05;
 
+/// A filter that followed an echo contradicts the arrivals that come next; one without a beacon at fault does
+/// not.
+constexpr int kAccusedInARow = 10;
+
 /// Without one of so many beacons the pose is open: in space it turns about the line through two of them.
 /// With one more a fault is seen, but not whose it is.
 template <int kDof>
@@ -84,6 +88,7 @@ typename BeaconBankOf<kDof>::Slot& BeaconBankOf<kDof>::slot_of(BeaconId beacon, 
     too_many_until_ = heard_ + kForgotten;
   longest_ago->beacon = beacon;
   longest_ago->heard = heard_;
+  longest_ago->accused = 0;
   longest_ago->filter.copy_state(filter);
   return *longest_ago;
 }
@@ -143,7 +148,8 @@ double BeaconBankOf<kDof>::protection_level_m(Filter& filter) {
     worst_m = std::max(worst_m, off_m + kFaultySigmas * sigma_m);
     // A filter that rejects more than the drive's has lost the place itself, and accuses no beacon.
     const bool agrees = slot.filter.acceptance() > filter.acceptance() - kLessAccepted;
-    if (agrees && off_m > worst_sigmas * sigma_m) {
+    slot.accused = agrees && off_m > kAtFaultSigmas * sigma_m ? slot.accused + 1 : 0;
+    if (slot.accused >= kAccusedInARow && off_m > worst_sigmas * sigma_m) {
       worst_sigmas = off_m / sigma_m;
       at_fault = &slot;
     }

@@ -64,6 +64,7 @@ class BeaconBankOf {
     BeaconId beacon;
     Filter filter;
     std::size_t heard = 0;  ///< number of its last arrival
+    int accused = 0;        ///< arrivals in a row after which its filter was six sigmas off
   };
   Slot& slot_of(BeaconId beacon, const Filter& filter);
   void exclude(Slot& slot, Filter& filter);

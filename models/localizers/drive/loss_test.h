@@ -10,11 +10,9 @@
 namespace octant {
 
 /// Page's test for a lost place. It counts pings: the arrivals of one beacon within some milliseconds share
-/// an echo, and so count once: as one that fits where at least half of them do. A ping that does not fit
-/// counts +1, one that fits -2. That is the log likelihood ratio, up to a factor, of a place that is lost
-/// (nearly no ping fits) against one that is right (three in ten are echoes). Six more misfits than that
-/// explain happen by chance once in some thousand pings at three echoes in ten, and once in a million at one
-/// in ten.
+/// an echo, and so count once, by their majority. A ping that does not fit counts +1, one that fits -1. Where
+/// one ping in ten is an echo, six more misfits than fits happen by chance once in some hundred thousand
+/// pings; where the place is lost, within some six.
 class LossTest {
  public:
   void add(BeaconId beacon, double time_s, bool fits) {
@@ -36,7 +34,7 @@ class LossTest {
   static constexpr int kLost = 6;
   [[nodiscard]] int score() const {
     if (fits_ + misfits_ == 0) return score_;
-    return std::max(0, score_ + (fits_ >= misfits_ ? -2 : 1));
+    return std::max(0, score_ + (misfits_ > fits_) - (fits_ > misfits_));
   }
   BeaconId beacon_;
   double begin_s_ = 0.0;
