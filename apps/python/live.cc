@@ -22,11 +22,15 @@ using namespace py::literals;
 
 /// The follower with its fixes kept until they are asked for.
 struct Live {
-  Live(const Deployment& d, const std::string& method, bool watch, const OdometrySigmas& noise)
+  Live(const Deployment& d, const std::string& method, bool watch, const OdometrySigmas& noise,
+       double lateness_s)
       : names(names_of(d)) {
     FollowOptions options;
     options.method = method_named(method);
     options.watch = watch;
+    if (!(lateness_s >= 0.0) || !std::isfinite(lateness_s))
+      throw py::value_error("lateness is not a number from 0 on");
+    options.lateness_s = lateness_s;
     options.odometry = odometry_noise(noise);
     if (auto fits = follow_fits(d, options.method); !fits) raise(fits.error());
     follower = std::make_unique<Follower>(d, options);
@@ -72,9 +76,12 @@ OdometryAccuracy odometry_noise(const OdometrySigmas& sigmas) {
 
 void bind_live(py::module_& m) {
   py::class_<Live>(m, "Follower", "Localizes as the data come; see octant localize --follow.")
-      .def(py::init<const Deployment&, const std::string&, bool, const OdometrySigmas&>(), "deployment"_a,
-           "method"_a = "auto", "watch"_a = false, "odometry_noise"_a = py::none(),
-           "odometry_noise: a dict with the keys of run.yaml's block odometry.")
+      .def(
+          py::init<const Deployment&, const std::string&, bool, const OdometrySigmas&, double>(),
+          "deployment"_a, "method"_a = "auto", "watch"_a = false, "odometry_noise"_a = py::none(),
+          "lateness"_a = 0.2,
+          "odometry_noise: a dict with the keys of run.yaml's block odometry. lateness: seconds within which "
+          "arrivals and odometry may come in any order.")
       .def(
           "hear",
           [](Live& live, double time_s, const std::string& beacon, double tof_s, const std::string& receiver,

@@ -58,7 +58,7 @@ struct Positioner::Inside {
   }
 };
 
-Positioner::Positioner(const std::string& deployment_path, const OdometryNoise& odometry)
+Positioner::Positioner(const std::string& deployment_path, const OdometryNoise& odometry, double lateness_s)
     : inside_(std::make_unique<Inside>()) {
   auto deployment = io::read_deployment(deployment_path);
   if (!deployment) {
@@ -69,6 +69,10 @@ Positioner::Positioner(const std::string& deployment_path, const OdometryNoise& 
     inside_->error = "the noise of the odometry is no number from 0 on";
     return;
   }
+  if (!(lateness_s >= 0.0) || !std::isfinite(lateness_s)) {
+    inside_->error = "the lateness is no number from 0 on";
+    return;
+  }
   inside_->names = names_of(*deployment);
   inside_->at_rest = std::make_unique<LeastSquaresLocalizer>(*deployment);
   FollowOptions options;
@@ -77,6 +81,7 @@ Positioner::Positioner(const std::string& deployment_path, const OdometryNoise& 
                       .heading_sigma_per_rad = odometry.heading_sigma_per_rad,
                       .floor_m = odometry.floor_m,
                       .floor_rad = odometry.floor_rad};
+  options.lateness_s = lateness_s;
   inside_->follower = std::make_unique<Follower>(std::move(*deployment), options);
   // The inside stays where it is when a positioner moves.
   inside_->follower->on_fix = [inside = inside_.get()](const Fix& fix) {

@@ -68,7 +68,9 @@ class [[gnu::visibility("default")]] Positioner {
  public:
   /// Reads a deployment file. Where that fails, or a noise is no number from zero on, the object is false,
   /// and error() says where and why.
-  explicit Positioner(const std::string& deployment_path, const OdometryNoise& odometry = {});
+  /// @param lateness_s  arrivals and odometry may come in any order within it
+  explicit Positioner(const std::string& deployment_path, const OdometryNoise& odometry = {},
+                      double lateness_s = 0.2);
   ~Positioner();
   Positioner(Positioner &&) noexcept;
   Positioner& operator=(Positioner&&) noexcept;
@@ -80,9 +82,10 @@ class [[gnu::visibility("default")]] Positioner {
   /// that the deployment does not have are left out (and count as rejected); no exceptions, no NaN.
   [[nodiscard]] Place locate(std::span<const Heard> heard) noexcept;
 
-  /// As it goes, in the order of time: arrivals are fixed as soon as all of a place have come, and while
-  /// there is odometry the vehicle is tracked. Fixes go to on_place. @return false: a name is unknown, time
-  /// runs backwards, an arrival repeats another one, or it is called within on_place, where nothing is taken
+  /// As it goes, in any order within the lateness: arrivals are fixed as soon as all of a place have come,
+  /// and while there is odometry the vehicle is tracked. Fixes go to on_place. @return false: a name is
+  /// unknown, a row comes too late, an arrival repeats another one, or it is called within on_place, where
+  /// nothing is taken
   void on_place(std::function<void(const Place&)> sink);
   bool hear(const Heard& heard);
   bool move(const Moved& moved);
