@@ -13,66 +13,65 @@
 
 namespace octant {
 
-/// What may have changed at a site between two visits.
+/// Kinds of change that a second visit to a site can find.
 enum class ChangeKind {
-  kBeaconMoved,  ///< [m]; a control point that was knocked too
-  kDelay,        ///< of a beacon [s]
-  kReceiver,     ///< bent or moved on its vehicle [m]
-  kSpeed,        ///< of the medium at the same temperature [m/s]
-  kExchanged,    ///< two beacons at each other's places [m]
-  kDatum,        ///< the whole map against what holds it [m]
-  kAmplitude     ///< of a beacon, a factor [1]
+  kBeaconMoved,  ///< position of a beacon or of a control point [m]
+  kDelay,        ///< delay of a beacon [s]
+  kReceiver,     ///< position of a receiver on its vehicle [m]
+  kSpeed,        ///< speed of the medium at a given temperature [m/s]
+  kExchanged,    ///< positions of two beacons swapped [m]
+  kDatum,        ///< pose of the whole map relative to its control [m]
+  kAmplitude     ///< amplitude of a beacon, as a factor [1]
 };
-/// As it stands in files: "beacon_moved", "delay", ...
+/// Name used in files: "beacon_moved", "delay", ...
 [[nodiscard]] const char* to_string(ChangeKind kind);
 [[nodiscard]] std::optional<ChangeKind> change_kind(std::string_view name);
-/// Unit of its size: "m", "s", "m/s", "1".
+/// Unit of Change::size: "m", "s", "m/s" or "1".
 [[nodiscard]] const char* unit_of(ChangeKind kind);
 
-/// Subject of a delay that changed by the same for all beacons.
+/// Subject of a delay that changed by the same amount for all beacons.
 inline constexpr const char* kAllBeaconsSubject = "all beacons";
 
-/// Something that is held to have changed.
+/// A change that passed the significance test.
 struct Change {
   ChangeKind kind = ChangeKind::kBeaconMoved;
-  std::string subject;  ///< "B3"; "robot/r3"; of exchanged beacons "B2, B5"; "speed"; "datum"; "all beacons"
-  double size = 0.0;   ///< length of a move, distance of what was exchanged, new less old of delay and speed,
-                       ///< factor of an amplitude
-  double sigma = 0.0;  ///< of the size
-  double p = 1.0;      ///< of so much by chance, after all that was tested
-  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< new less old, of what moved
+  std::string subject;  ///< "B3", "robot/r3", "speed", "datum" or "all beacons"; for swapped beacons "B2, B5"
+  double size = 0.0;    ///< length of a move, distance between swapped beacons, new minus old delay or speed,
+                        ///< or factor of an amplitude
+  double sigma = 0.0;   ///< standard deviation of `size`
+  double p = 1.0;       ///< probability of a change this large by chance, corrected for the number of tests
+  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< new minus old position
   Eigen::Matrix3d shift_covariance_m2 = Eigen::Matrix3d::Zero();
 };
 
-/// Standard deviations by which everything may have drifted between two visits without being held to have
-/// changed.
+/// Standard deviations of the drift that is expected between two visits and is not reported as a change.
 struct Drift {
-  double beacon_m = 1.0e-3;  ///< per axis
+  double beacon_m = 1.0e-3;  ///< each axis
   double delay_s = 3.0e-6;
-  double receiver_m = 5.0e-4;  ///< per axis
-  double speed_mps = 0.3;      ///< of the medium's offset at the same temperature
-  double log_gain = 0.02;      ///< of each beacon's amplitude, ln
-  double attenuation = 0.05;   ///< of amplitude, absorption and rise time of all, relative
+  double receiver_m = 5.0e-4;  ///< each axis
+  double speed_mps = 0.3;      ///< offset of the medium's speed at a given temperature
+  double log_gain = 0.02;      ///< natural logarithm of each beacon's amplitude
+  double attenuation = 0.05;   ///< common amplitude, absorption and rise time, relative
 
-  /// Of so many months: the defaults above, and in quadrature what grows with time as settling and ageing do:
-  /// 0.1 mm, 0.3 us, 0.05 mm, 0.03 m/s, 0.5 % and 0.5 % a month.
+  /// Drift over a number of months: the defaults above plus, in quadrature, 0.1 mm, 0.3 us, 0.05 mm, 0.03
+  /// m/s, 0.5 % and 0.5 % for each month, as settling and ageing add.
   [[nodiscard]] static Drift of_months(double months);
 };
 
-/// Parameters of which nothing earlier was believed.
+/// Parameters for which the earlier calibration was not used as a prior.
 struct Released {
   std::vector<ParameterId> parameters;
-  bool datum = false;  ///< the map as a whole
+  bool datum = false;  ///< pose of the whole map
   friend bool operator==(const Released&, const Released&) = default;
 };
 
-/// Where a deployment comes from that was made of an earlier one and a second visit.
+/// Origin of a deployment that was made from an earlier one and a second visit.
 struct Previous {
-  std::string sha256;   ///< of the earlier file
-  std::string created;  ///< the earlier one, ISO 8601
-  Drift drift;          ///< that was allowed for
+  std::string sha256;   ///< digest of the earlier file
+  std::string created;  ///< creation time of the earlier deployment, ISO 8601
+  Drift drift;          ///< drift that was allowed for
   Released released;
-  std::vector<Change> changes;  ///< as found
+  std::vector<Change> changes;  ///< changes that were found
 };
 
 }  // namespace octant

@@ -11,8 +11,8 @@ namespace {
 
 struct KindNames {
   ContradictionKind kind;
-  const char* name;      ///< in files
-  const char* in_words;  ///< before the subject, at the head of a sentence
+  const char* name;      ///< name in files
+  const char* in_words;  ///< words before the subject at the beginning of a sentence
 };
 constexpr std::array kKinds = {KindNames{ContradictionKind::kControlPoint, "control_point", "Control point"},
                                KindNames{ContradictionKind::kExchanged, "exchanged", "Beacons"},

@@ -9,38 +9,38 @@
 
 namespace octant {
 
-/// What of the user's statements the data speak against.
+/// Kinds of information in the site file or the log that the data may contradict.
 enum class ContradictionKind {
-  kControlPoint,  ///< a position that was to be held
-  kExchanged,     ///< beacons at each other's places
-  kBeacon,        ///< a beacon whose arrivals do not agree among themselves: late at some stops, early, moved
-  kSpeed,         ///< the medium's speed, offset prior or temperature
-  kDelay,         ///< a delay's prior, or that there is none
-  kReceiver,      ///< a receiver's place
-  kWiring,        ///< which receiver is which: exchanged, mirrored, turned
-  kAttenuation,   ///< amplitudes, rise time
-  kDistance,      ///< a taped distance
-  kPoses,         ///< measured poses, their frame
+  kControlPoint,  ///< position of a beacon that is held fixed
+  kExchanged,     ///< positions of beacons that are swapped
+  kBeacon,        ///< a beacon whose arrivals disagree with each other: late at some stops, early, or moved
+  kSpeed,         ///< speed of the medium, prior of its offset, or temperature
+  kDelay,         ///< prior of a delay, or the assumption that there is no delay
+  kReceiver,      ///< position of a receiver
+  kWiring,        ///< assignment of receivers: swapped, mirrored or turned
+  kAttenuation,   ///< amplitudes or rise time
+  kDistance,      ///< a measured distance between two beacons
+  kPoses,         ///< measured poses or their frame
   kUnits,         ///< positions, sigmas or times in another unit
-  kEpochs,        ///< stops that were not told apart
-  kRanging,       ///< times there and back taken for one way
-  kRepeated,      ///< rows counted twice
-  kStop,          ///< a vehicle that did not stand still
-  kLog            ///< halves of the recording that speak against each other
+  kEpochs,        ///< stops that share an epoch number
+  kRanging,       ///< round-trip times that are declared as one-way
+  kRepeated,      ///< rows that occur twice
+  kStop,          ///< a vehicle that moved during a stop
+  kLog            ///< two halves of the recording that disagree
 };
-/// As it stands in files: "control_point", "exchanged", ...
+/// Name used in files: "control_point", "exchanged", ...
 [[nodiscard]] const char* to_string(ContradictionKind kind);
 [[nodiscard]] std::optional<ContradictionKind> contradiction_kind(std::string_view name);
 
-/// One statement of the site file (or the log's form) that the data speak against beyond what its sigma and
-/// chance allow.
+/// A value of the site file, or an assumption about the log, that the data contradict beyond its sigma and
+/// beyond chance.
 struct Contradiction {
   ContradictionKind kind = ContradictionKind::kLog;
   std::string subject;  ///< "B3", "robot/fl", "B1, B4", "medium", "stop 17", "run"
-  std::string stated;   ///< for people, with units: "at (1.00, 2.00, 3.00) m, held fixed"
-  std::string found;    ///< likewise: "at (1.52, 2.01, 3.00) m"
-  double sigmas = 0.0;  ///< size of the contradiction in standard deviations of its test
-  std::string remedy;   ///< what to do about it
+  std::string stated;   ///< assumed value in words, with units: "at (1.00, 2.00, 3.00) m, held fixed"
+  std::string found;    ///< estimated value in words: "at (1.52, 2.01, 3.00) m"
+  double sigmas = 0.0;  ///< size of the contradiction, in standard deviations of its test
+  std::string remedy;   ///< recommended action
 };
 /// "Control point B3: stated at ..., found ... (12 sigma)."
 [[nodiscard]] std::string in_words(const Contradiction& contradiction);

@@ -8,8 +8,8 @@
 
 namespace octant {
 
-/// A typed index: the position of a beacon, receiver or vehicle in the lists of its site or deployment.
-/// Strong types keep a beacon's number from being used as a receiver's.
+/// Typed index of a beacon, receiver or vehicle in the lists of its site or deployment. The types keep the
+/// index of a beacon from being used for a receiver.
 template <class Tag>
 struct Id {
   std::int32_t value = -1;

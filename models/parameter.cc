@@ -14,7 +14,7 @@ struct TopicRow {
   const char* remedy;
 };
 
-/// In the order of ParameterTopic, which is that of what settles them: the cheapest first.
+/// One row for each ParameterTopic, in its order: the topic with the cheapest measurement first.
 constexpr std::array<TopicRow, kParameterTopics> kTopicRows = {{
     {"speed of sound and overall scale",
      "tape the distance between two beacons that are far apart, or measure the temperature"},
@@ -29,7 +29,7 @@ constexpr std::array<TopicRow, kParameterTopics> kTopicRows = {{
 }};
 static_assert(std::ranges::none_of(kTopicRows, [](const TopicRow& row) { return row.words == nullptr; }));
 
-/// Empty: the number is nobody's own.
+/// Returns an empty string for a parameter without an owner.
 std::string owner_path(const ParameterId& id, const NameTable& names) {
   switch (row_of(id.kind).owner) {
     case ParameterOwner::kNone: return {};
@@ -40,7 +40,7 @@ std::string owner_path(const ParameterId& id, const NameTable& names) {
     case ParameterOwner::kPair: {
       std::string path = names.beacons[id.owner];
       path += '/';
-      // Receivers of several vehicles may have one name.
+      // Receivers of different vehicles may share a name.
       path +=
           names.vehicles.size() > 1 ? receiver_path(id.component, names) : names.receivers[id.component].name;
       return path;
@@ -55,7 +55,7 @@ std::optional<std::uint32_t> owner_named(const std::unordered_map<std::string, s
   return at == owners.end() ? std::nullopt : std::optional(at->second);
 }
 
-/// "run12" -> 12; nothing -> 0.
+/// "run12" gives 12, an empty text 0.
 std::optional<std::uint32_t> run_number(std::string_view owner) {
   if (owner.empty()) return 0;
   if (!owner.starts_with("run") || owner.size() > 9) return std::nullopt;
@@ -174,7 +174,7 @@ std::optional<ParameterId> ParameterLookup::owned(ParameterKind kind, std::strin
   return index ? std::optional(ParameterId{kind, *index, component}) : std::nullopt;
 }
 
-/// Beacons' names may hold strokes, so each of them may be the one between.
+/// Names of beacons may contain slashes, so any slash may be the separator.
 std::optional<ParameterId> ParameterLookup::pair_named(std::string_view owners) const {
   for (std::size_t at = owners.find('/'); at != std::string_view::npos; at = owners.find('/', at + 1)) {
     const auto beacon = owner_named(beacons_, owners.substr(0, at));

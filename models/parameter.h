@@ -19,23 +19,24 @@ namespace octant {
 
 struct NameTable;
 
-/// What a number that all arrivals share is about. Each kind has a row in kParameterRows.
+/// Kinds of parameters that all arrivals share. Each kind has a row in kParameterRows.
 enum class ParameterKind : std::uint8_t {
   kBeaconPosition,    ///< owner: beacon; component: axis [m]
   kBeaconDelay,       ///< owner: beacon [s]
-  kBeaconGain,        ///< owner: beacon; of its amplitude over the attenuation's, ln
+  kBeaconGain,        ///< owner: beacon; natural logarithm of its amplitude relative to the attenuation model
   kReceiverPosition,  ///< owner: receiver; component: axis, in the vehicle frame [m]
   kReceiverDelay,     ///< owner: receiver [s]
-  kArray,  ///< owner: vehicle; of a regular array that is adjusted as a whole: circumradius [m], turn [rad]
+  kArray,  ///< owner: vehicle; circumradius [m] and turn [rad] of a regular array that is adjusted as a whole
   kSiteDelay,  ///< one delay for all pairs [s]
-  kSpeed,  ///< offset from the medium's model [m/s]; owner: 0 for all runs together, else the run's number
+  kSpeed,  ///< offset from the medium's model [m/s]; owner: 0 for all runs together, else the number of the
+           ///< run
   kAttenuation,  ///< component: in the order of AttenuationRow
   kClockDrift,   ///< owner: vehicle
   kPairBias      ///< owner: beacon; component: receiver [s]
 };
 inline constexpr std::size_t kParameterKinds = 11;
 
-/// What settles a parameter, for a human: several kinds share one.
+/// Topics that group parameters for people by the measurement that determines them.
 enum class ParameterTopic : std::uint8_t {
   kSpeed,
   kHeight,
@@ -50,16 +51,15 @@ inline constexpr std::size_t kParameterTopics = 8;
 
 enum class ParameterOwner : std::uint8_t { kNone, kBeacon, kReceiver, kVehicle, kRun, kPair };
 
-/// What a parameter's unit inside the adjustment is worth in metres, where parameters are held against each
-/// other.
+/// Conversion of a parameter's internal unit into metres, by which parameters are compared.
 enum class ParameterWorth : std::uint8_t {
   kMetre,  ///< one
-  kRange,  ///< a typical range: it is a share of the ranges
-  kOpen    ///< a share of amplitudes, whose metres are left open; of an attenuation but its rise time
+  kRange,  ///< a typical range, since the parameter scales ranges
+  kOpen    ///< undefined: a relative change of amplitudes
 };
 
-/// A kind of parameter: where its name begins, whose it is, what settles it, what it is worth, its
-/// components' symbols (with their units).
+/// Description of a kind of parameter: prefix of its name, owner, topic, worth in metres, and symbols of its
+/// components with units.
 struct ParameterRow {
   const char* prefix;
   ParameterOwner owner;
@@ -68,7 +68,7 @@ struct ParameterRow {
   std::array<const char*, 4> symbols;
 };
 
-/// In the order of ParameterKind.
+/// One row for each ParameterKind, in its order.
 inline constexpr std::array<ParameterRow, kParameterKinds> kParameterRows = {{
     {"beacon",
      ParameterOwner::kBeacon,
@@ -102,7 +102,7 @@ inline constexpr std::array<ParameterRow, kParameterKinds> kParameterRows = {{
   return kParameterRows[static_cast<std::size_t>(kind)];
 }
 
-/// One shared number of a site or deployment.
+/// Identifies one shared parameter of a site or deployment.
 struct ParameterId {
   ParameterKind kind = ParameterKind::kSpeed;
   std::uint32_t owner = 0;  ///< index of the beacon, receiver or vehicle in its site or deployment
@@ -132,9 +132,9 @@ template <class Index>
 [[nodiscard]] constexpr ParameterId array_radius(std::size_t vehicle) { return of(kArray, vehicle, 0); }
 [[nodiscard]] constexpr ParameterId array_turn(std::size_t vehicle) { return of(kArray, vehicle, 1); }
 [[nodiscard]] constexpr ParameterId site_delay() { return of(kSiteDelay, 0); }
-/// The speed of all runs together, or of the run of that number (from 1).
+/// Speed offset of all runs together, or of one run (numbered from 1).
 [[nodiscard]] constexpr ParameterId speed(std::size_t run_number = 0) { return of(kSpeed, run_number); }
-/// @param unknown  in the order of AttenuationRow
+/// @param unknown  index in the order of AttenuationRow
 [[nodiscard]] constexpr ParameterId attenuation(std::size_t unknown) { return of(kAttenuation, 0, unknown); }
 [[nodiscard]] constexpr ParameterId clock_drift(std::size_t vehicle) { return of(kClockDrift, vehicle); }
 [[nodiscard]] constexpr ParameterId pair_bias(std::size_t beacon, std::size_t receiver) {
@@ -143,7 +143,7 @@ template <class Index>
 
 }  // namespace parameters
 
-/// A visitor that has nothing of any kind: one that has some of them alone derives from it.
+/// Visitor that returns an empty answer for every kind. Derive from it to handle only some of the kinds.
 template <class Answer>
 struct HasNothing {
   static Answer beacon_position(std::size_t /*beacon*/, std::size_t /*axis*/) { return Answer(); }
@@ -159,8 +159,7 @@ struct HasNothing {
   static Answer pair_bias(std::size_t /*beacon*/, std::size_t /*receiver*/) { return Answer(); }
 };
 
-/// The one switch over the kinds of parameters for whoever holds them (a state, a site, a deployment): calls
-/// the visitor's function of that name.
+/// Calls the visitor's function for the kind of a parameter. This is the only switch over the kinds.
 template <class Visitor>
 auto visit_parameter(const ParameterId& id, Visitor&& holder) {
   const std::size_t owner = id.owner, component = id.component;
@@ -180,29 +179,29 @@ auto visit_parameter(const ParameterId& id, Visitor&& holder) {
   return holder.pair_bias(owner, component);
 }
 
-/// Where a parameter stands in a list; -1: it is not among them.
+/// Index of a parameter in a list, or -1 if the list does not contain it.
 [[nodiscard]] int index_of(std::span<const ParameterId> parameters, const ParameterId& id);
 
-/// The beacon whose number it is.
+/// Beacon that owns the parameter.
 [[nodiscard]] std::optional<std::size_t> beacon_of(const ParameterId& id);
 [[nodiscard]] ParameterTopic topic_of(const ParameterId& id);
-/// "heights of beacons"
+/// Topic in words, such as "heights of beacons".
 [[nodiscard]] const char* words_of(ParameterTopic topic);
-/// The measurement that settles it: "tape the height of one of these beacons".
+/// Measurement that determines the parameter, such as "tape the height of one of these beacons".
 [[nodiscard]] const char* remedy_of(ParameterTopic topic);
 
-/// The name in files and words: "beacon/B1/x_m", "receiver/robot/r0/delay_s", "medium/speed_mps",
+/// Name in files and messages: "beacon/B1/x_m", "receiver/robot/r0/delay_s", "medium/speed_mps",
 /// "medium/run2/speed_mps", "pair/B1/r0/bias_s".
 [[nodiscard]] std::string parameter_name(const ParameterId& id, const NameTable& names);
 [[nodiscard]] std::vector<std::string> parameter_names(std::span<const ParameterId> ids,
                                                        const NameTable& names);
 
-/// All numbers of the owner: "beacon/B1", "receiver/robot/r0".
+/// Name of the owner: "beacon/B1", "receiver/robot/r0".
 [[nodiscard]] std::string owner_name(const ParameterId& id, const NameTable& names);
-/// "robot/r0".
+/// Name of a receiver with its vehicle: "robot/r0".
 [[nodiscard]] std::string receiver_path(std::size_t receiver, const NameTable& names);
 
-/// Where parameters stand in a list of them; -1: not among them.
+/// Index of parameters in a list; -1 for those that the list does not contain.
 class ParameterIndex {
  public:
   ParameterIndex() = default;
@@ -213,11 +212,11 @@ class ParameterIndex {
     if (id.owner >= of_kind.size() || id.component >= of_kind[id.owner].size()) return -1;
     return of_kind[id.owner][id.component];
   }
-  /// Places of its position's three axes and its delay.
+  /// Indices of a beacon's three coordinates and its delay.
   [[nodiscard]] std::array<int, 4> beacon(std::size_t beacon) const {
     return transducer(ParameterKind::kBeaconPosition, ParameterKind::kBeaconDelay, beacon);
   }
-  /// As for a beacon.
+  /// Indices of a receiver's three coordinates and its delay.
   [[nodiscard]] std::array<int, 4> receiver(std::size_t receiver) const {
     return transducer(ParameterKind::kReceiverPosition, ParameterKind::kReceiverDelay, receiver);
   }
@@ -228,12 +227,12 @@ class ParameterIndex {
   std::array<std::vector<std::vector<int>>, kParameterKinds> at_;  ///< by kind, owner, component
 };
 
-/// Parameters by their names.
+/// Finds parameters by name.
 class ParameterLookup {
  public:
-  /// @param names  not owned
+  /// @param names  must outlive the lookup
   explicit ParameterLookup(const NameTable& names);
-  /// None where this program has no such number or the site no such owner.
+  /// Returns no value if the program has no such parameter or the site no such owner.
   [[nodiscard]] std::optional<ParameterId> find(std::string_view name) const;
 
  private:

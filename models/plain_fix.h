@@ -10,9 +10,9 @@
 
 namespace octant {
 
-/// Writes a fix into a row of plain numbers with Octant's names (x_m, qx, sigma_x_m ...), for other languages
-/// and for programs that know no Eigen.
-/// @return whether there is a fix; without one the row's pose, sigmas and protection level stay as they are
+/// Writes a fix into a row of plain numbers with Octant's field names (x_m, qx, sigma_x_m ...), for other
+/// languages and for programs without Eigen.
+/// @return true if there is a fix; otherwise pose, sigmas and protection level of the row are left unchanged
 template <class Row>
 bool fill_row(const Fix& fix, Row& row) {
   row.ok = fix.ok();

@@ -4,7 +4,7 @@
 
 namespace octant {
 
-/// Why a row is rejected that stands in a recording twice (RejectedRow::reason).
+/// Rejection reason (RejectedRow::reason) of a row that occurs twice in a recording.
 inline constexpr const char* kRepeatedRow = "the row is a duplicate of another one";
 
 }  // namespace octant

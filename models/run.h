@@ -20,21 +20,22 @@ namespace octant {
 
 inline constexpr std::int64_t kNoEpoch = std::numeric_limits<std::int64_t>::min();
 
-/// One time of flight between one beacon and one receiver.
+/// Time of flight between a beacon and a receiver.
 struct Arrival {
-  double time_s = 0.0;  ///< the instant at which the vehicle's end of the path acts
+  double time_s = 0.0;  ///< time at the vehicle's end of the path
   double tof_s = 0.0;
   BeaconId beacon;
   ReceiverId receiver;
   VehicleId vehicle;
   std::int64_t epoch = kNoEpoch;
-  double amplitude_v = std::numeric_limits<double>::quiet_NaN();       ///< NaN: not logged
-  double temperature_degC = std::numeric_limits<double>::quiet_NaN();  ///< NaN: the run's or the site's
-  int line = 0;                                                        ///< row in tof.csv
+  double amplitude_v = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not logged
+  double temperature_degC =
+      std::numeric_limits<double>::quiet_NaN();  ///< NaN: temperature of the run or of the site
+  int line = 0;                                  ///< row in tof.csv
 };
 
-/// An arrival by names, for a robot's own program. Errors: a name that there is not; a receiver that is not
-/// named where the vehicle has several.
+/// Builds an arrival from names, for a robot's own program. Errors: an unknown name, or no receiver although
+/// the vehicle has several.
 [[nodiscard]] Result<Arrival> arrival_of(const NameTable& names, std::string_view beacon, double tof_s,
                                          double time_s = 0.0, std::string_view receiver = {},
                                          std::string_view vehicle = {});
@@ -49,8 +50,8 @@ struct Bearing {
   int line = 0;
 };
 
-/// Pose of this row in the frame of the row before; the first row is the anchor. In space its rotation is
-/// the vector (turn_x_rad, turn_y_rad, dheading_rad), of which a vehicle in the plane has the last alone.
+/// Pose of this row relative to the previous row; the first row is the anchor. In space the rotation is the
+/// vector (turn_x_rad, turn_y_rad, dheading_rad); in the plane only the last component is used.
 struct OdometryStep {
   double time_s = 0.0;
   double dx_m = 0.0;
@@ -59,7 +60,8 @@ struct OdometryStep {
   VehicleId vehicle;
   double dz_m = 0.0;
   double turn_x_rad = 0.0, turn_y_rad = 0.0;
-  double way_m = 0.0;  ///< of rows summed up to a long step: theirs together, not along its chord; 0: none
+  double way_m =
+      0.0;  ///< path length of the rows that a long step combines; 0: a single row, whose path is its chord
 
   [[nodiscard]] bool is_planar() const { return dz_m == 0.0 && turn_x_rad == 0.0 && turn_y_rad == 0.0; }
   [[nodiscard]] bool is_zero() const {
@@ -90,16 +92,16 @@ struct Scan {
   double time_s = 0.0;
   double angle_min_rad = 0.0;
   double angle_increment_rad = 0.0;
-  std::vector<double> range_m;  ///< NaN: saw nothing
+  std::vector<double> range_m;  ///< NaN: no echo
 };
 
-/// Accuracy of measured poses or of a reference trajectory; sigma 0 = exact.
+/// Accuracy of measured poses or of a reference trajectory; sigma 0 is exact.
 struct PoseAccuracy {
   double position_sigma_m = 0.01;
   double heading_sigma_rad = 0.01;  ///< ignored when heading_known is false
   bool heading_known = true;
-  double attitude_sigma_rad = 0.01;  ///< roll and pitch; the heading's where it is not given
-  double max_gap_s = 1.0;            ///< longest gap over which poses are interpolated
+  double attitude_sigma_rad = 0.01;  ///< roll and pitch; equal to the heading's sigma if not given
+  double max_gap_s = 1.0;            ///< longest gap over which poses are interpolated [s]
 };
 
 /// Odometry noise over a step of length d and turn a:
@@ -112,35 +114,35 @@ struct OdometryAccuracy {
   double floor_rad = 1.0e-4;
 };
 
-/// A row that was read but is no measurement, and why ("tof_s is not a number").
+/// A row that is not a valid measurement, with the reason ("tof_s is not a number").
 struct RejectedRow {
   int line = 0;
   std::string reason;
 };
 
-/// One recording: what a run folder holds, row for row, names resolved to ids.
+/// One recording: the contents of a run folder, row by row, with names resolved to ids.
 struct MeasurementLog {
-  std::string path;  ///< of the folder, as the user wrote it
+  std::string path;  ///< folder, as the user wrote it
   std::vector<Arrival> arrivals;
   std::vector<Bearing> bearings;
   std::vector<OdometryStep> odometry;
-  std::vector<TimedPose> poses;  ///< measured poses, observations
-  std::vector<TimedPose> truth;  ///< reference; read only on request (verify)
+  std::vector<TimedPose> poses;  ///< measured poses, used as observations
+  std::vector<TimedPose> truth;  ///< reference trajectory; read only on request (verify)
   std::vector<Scan> scans;
-  VehicleId vehicle;  ///< of rows that name none, and of poses.tum
+  VehicleId vehicle;  ///< vehicle of rows that name none, and of poses.tum
   std::optional<double> temperature_degC;
   std::optional<double> relative_humidity;
   std::optional<double> pressure_pa;
   PoseAccuracy pose_accuracy;
-  /// Exact where run.yaml says nothing of it: what is then blamed on the fixes is at most too much.
+  /// Exact unless run.yaml states otherwise. This can only overstate the errors of the fixes.
   PoseAccuracy truth_accuracy = {
       .position_sigma_m = 0.0, .heading_sigma_rad = 0.0, .attitude_sigma_rad = 0.0};
   OdometryAccuracy odometry_accuracy;
   bool has_epochs = false;  ///< tof.csv or bearings.csv has an epoch column
-  std::size_t rows = 0;     ///< data rows of tof.csv, rejected ones included
+  std::size_t rows = 0;     ///< number of data rows in tof.csv, including rejected ones
   std::vector<RejectedRow> rejected;
   std::vector<std::string> warnings;
-  std::map<std::string, std::string> sha256;  ///< of each file read, by its path
+  std::map<std::string, std::string> sha256;  ///< digest of each file that was read, by path
 };
 
 }  // namespace octant

@@ -18,18 +18,18 @@
 
 namespace octant {
 
-/// Clock by which times of flight are taken.
+/// Clock that times of flight refer to.
 enum class Clock {
-  kSynchronised,  ///< radio or wire marks the firing
-  kCycleOffset    ///< one unknown offset each epoch (Kleeman)
+  kSynchronised,  ///< firing is signalled by radio or wire
+  kCycleOffset    ///< one unknown offset for each epoch (Kleeman)
 };
 
 enum class Ranging {
   kOneWay,
-  kTwoWay  ///< tof_s is the time there and back plus turnaround_s; the vehicle hears the reply at time_s
+  kTwoWay  ///< tof_s is the round-trip time including turnaround_s; the vehicle receives the reply at time_s
 };
 
-/// Which delays are unknowns of their own; an arrival's delay is the sum of those that apply.
+/// Selects which delays are separate unknowns. The delay of an arrival is the sum of those that apply.
 struct DelayPer {
   bool beacon = false;
   bool receiver = false;
@@ -37,7 +37,7 @@ struct DelayPer {
   [[nodiscard]] bool none() const { return !beacon && !receiver && !site; }
 };
 
-/// How often sound goes the way between beacon and receiver within one time of flight.
+/// Number of passages of the path between beacon and receiver within one time of flight.
 [[nodiscard]] constexpr double legs_of(bool two_way) { return two_way ? 2.0 : 1.0; }
 
 struct Timing {
@@ -47,8 +47,8 @@ struct Timing {
   DelayPer delay_per;
   double delay_s = 0.0;        ///< prior mean of each delay
   double delay_sigma_s = 0.0;  ///< prior sigma of each delay; 0: held fixed
-  /// Clock::kCycleOffset: rate of a vehicle's oscillator against the beacons', less one, by which arrivals
-  /// late in a cycle are off; prior mean and sigma (0: held fixed).
+  /// Clock::kCycleOffset only: relative rate error of the vehicle's oscillator, which affects arrivals late
+  /// in a cycle. Prior mean and sigma (0: held fixed).
   double drift = 0.0;
   double drift_sigma = 0.0;
   [[nodiscard]] double legs() const { return legs_of(ranging == Ranging::kTwoWay); }
@@ -56,13 +56,13 @@ struct Timing {
 
 struct Noise {
   double tof_sigma_s = 1.0e-5;
-  double amplitude_relative_sigma = 0.05;  ///< of the amplitude column
-  std::optional<double> pair_sigma_s;      ///< bias that a beacon-receiver pair keeps
+  double amplitude_relative_sigma = 0.05;  ///< relative sigma of the amplitude column
+  std::optional<double> pair_sigma_s;      ///< constant bias of a beacon-receiver pair
   double bearing_sigma_rad = 0.01;
-  double range_sigma_m = 0.02;  ///< of scan beams
+  double range_sigma_m = 0.02;  ///< sigma of the beams of a scan
 };
 
-/// A number with its prior sigma; 0 holds it fixed.
+/// Prior mean with its sigma; sigma 0 holds the value fixed.
 struct Prior {
   double value = 0.0;
   double sigma = 0.0;
@@ -71,7 +71,7 @@ struct Prior {
 struct AttenuationPrior {
   Prior amplitude_1m_v, absorption_np_per_m, rise_time_s;
   double threshold_v = 0.0;
-  Prior half_power_angle_rad{};  ///< value 0: receivers hear all round alike
+  Prior half_power_angle_rad{};  ///< value 0: omnidirectional receivers
   double saturation_v = std::numeric_limits<double>::infinity();
   [[nodiscard]] AttenuationModel mean() const {
     return {amplitude_1m_v.value, absorption_np_per_m.value,  threshold_v,
@@ -79,17 +79,19 @@ struct AttenuationPrior {
   }
 };
 
-/// A beacon as the site file knows it. A coordinate without a value is unknown; sigma 0 holds it fixed.
+/// A beacon as given in the site file. A coordinate without a value is unknown; sigma 0 holds it fixed.
 struct SiteBeacon {
   std::string name;
   std::array<std::optional<double>, 3> position_m;
-  std::array<std::optional<double>, 3> sigma_m;  ///< no value beside a position: unknown accuracy, no prior
-  int line = 0;                                  ///< in the site file
-  std::optional<double> delay_s{},
-      delay_sigma_s{};  ///< prior of its delay, in place of timing's; with delay_per beacon
-  Prior log_gain{};     ///< of its amplitude over the attenuation's, ln; sigma 0: held fixed
+  std::array<std::optional<double>, 3>
+      sigma_m;   ///< a position without a sigma is not a prior: its accuracy is unknown
+  int line = 0;  ///< line in the site file
+  std::optional<double> delay_s{}, delay_sigma_s{};  ///< prior of the beacon's own delay, instead of that in
+                                                     ///< `timing`; requires delay_per beacon
+  Prior log_gain{};  ///< natural logarithm of its amplitude relative to the attenuation model; sigma 0: held
+                     ///< fixed
 
-  /// None where a coordinate is unknown.
+  /// Position, or no value if a coordinate is unknown.
   [[nodiscard]] std::optional<Eigen::Vector3d> place_m() const {
     if (!position_m[0] || !position_m[1] || !position_m[2]) return {};
     return Eigen::Vector3d(*position_m[0], *position_m[1], *position_m[2]);
@@ -104,34 +106,35 @@ struct SiteBeacon {
 struct SiteReceiver {
   std::string name;
   VehicleId vehicle;
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< in the vehicle frame
-  Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();     ///< prior, per axis; 0 holds it fixed
-  std::optional<Eigen::Vector3d> axis;                   ///< direction of hearing, unit vector
-  /// Taken off position_m while a site is calibrated by recordings that tell no headings: the vehicle then
-  /// stands where its receiver is.
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< position in the vehicle frame
+  Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();     ///< prior sigma of each axis; 0 holds it fixed
+  std::optional<Eigen::Vector3d> axis;                   ///< direction of maximum sensitivity, unit vector
+  /// Offset subtracted from position_m while the site is calibrated from recordings that do not determine
+  /// headings. The vehicle's origin then coincides with its receiver.
   Eigen::Vector2d taken_off_m = Eigen::Vector2d::Zero();
 };
 
-/// Line that a vehicle runs on; its heading is the line's.
+/// Rail that a vehicle runs on; the heading is that of the rail.
 struct Rail {
   enum class Shape { kStraight, kArc };
   Shape shape = Shape::kStraight;
-  Eigen::Vector2d from_m = Eigen::Vector2d::Zero(),
-                  to_m = Eigen::Vector2d::Zero();      ///< ends of a straight rail; heading from -> to
-  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();  ///< of an arc, run counter-clockwise
+  Eigen::Vector2d
+      from_m = Eigen::Vector2d::Zero(),
+      to_m =
+          Eigen::Vector2d::Zero();  ///< ends of a straight rail; the heading points from `from_m` to `to_m`
+  Eigen::Vector2d centre_m = Eigen::Vector2d::Zero();  ///< centre of an arc, travelled counter-clockwise
   double radius_m = 0.0;
 };
 
-/// Octagon that is adjusted as a whole, by its circumradius and its turn about the vehicle's z axis, instead
-/// of receiver by receiver. Prior means are those of the receivers' positions.
+/// Octagonal array that is adjusted as a whole, by its circumradius and its turn about the vehicle's z axis.
+/// Prior means are those of the receivers' positions.
 struct ArrayShape {
   double radius_sigma_m = 0.0;  ///< 0: held fixed
   double turn_sigma_rad = 0.0;  ///< 0: held fixed
 };
 
-/// How a vehicle usually moves: what ties its states together where there is neither odometry nor a measured
-/// pose. Velocities wander as white-noise acceleration makes them, by about the stated amounts within a
-/// second.
+/// Typical motion of a vehicle. It links consecutive states where there is neither odometry nor a measured
+/// pose: white-noise acceleration changes the velocity by about the given amounts within a second.
 struct MotionPrior {
   double speed_mps = 1.0;
   double acceleration_mps2 = 0.5;
@@ -141,13 +144,12 @@ struct MotionPrior {
 
 struct SiteVehicle {
   std::string name = "robot";
-  std::size_t first_receiver = 0;  ///< its receivers are contiguous in Site::receivers
+  std::size_t first_receiver = 0;  ///< the vehicle's receivers are contiguous in Site::receivers
   std::size_t receiver_count = 0;
   std::optional<Rail> rail{};
   std::optional<ArrayShape> array{};
   std::optional<MotionPrior> motion{};
-  double clock_drift =
-      0.0;  ///< of a deployment: calibrated rate of its oscillator against the beacons', less one
+  double clock_drift = 0.0;  ///< calibrated relative rate error of its oscillator; deployments only
   double clock_drift_sigma = 0.0;
 };
 
@@ -157,59 +159,58 @@ struct ControlDistance {
   double sigma_m = 0.0;
 };
 
-/// What the site must reach; gates in verify and in reports.
+/// Required accuracy of the site; checked by verify and in reports.
 struct Tolerance {
   std::optional<double> beacon_m;
   std::optional<double> fix_m;
 };
 
-/// For how long a calibration of the site may be trusted; what is not stated does not count.
+/// Validity period of a calibration. Limits that are not given are not applied.
 struct ValidityPeriod {
-  std::optional<double> months;  ///< after which a recalibration is due
-  /// By which beacons may settle: a recalibration is due when one of them may have left tolerance.beacon_m.
+  std::optional<double> months;  ///< recalibration is due after this time
+  /// Drift rate of a beacon. Recalibration is due when a beacon may have left tolerance.beacon_m.
   std::optional<double> beacon_drift_m_per_month;
   [[nodiscard]] bool stated() const { return months || beacon_drift_m_per_month; }
   friend bool operator==(const ValidityPeriod&, const ValidityPeriod&) = default;
 };
 
-/// What is left out before anything is known of the vehicle.
+/// Gates that are applied before the pose is known.
 struct Gates {
-  double min_range_m = 0.0;                                      ///< Chang's d_min; 0: no gate
-  double max_range_m = std::numeric_limits<double>::infinity();  ///< Chang's d_max
-  bool triangle = true;                                          ///< Kleeman's triangle inequality
+  double min_range_m = 0.0;                                      ///< d_min of Chang; 0: no gate
+  double max_range_m = std::numeric_limits<double>::infinity();  ///< d_max of Chang
+  bool triangle = true;                                          ///< triangle inequality of Kleeman
 };
 
-/// All that is known of a site before calibration.
+/// Everything that is known about a site before its calibration.
 struct Site {
   std::string name;
-  std::string path;  ///< of the file, as the user wrote it; empty if made in memory
+  std::string path;  ///< path of the file as the user wrote it; empty for a site that was made in memory
   Motion motion = Motion::kPlanar;
   Medium medium;
   double speed_sigma_mps = 0.0;       ///< prior of the offset from the medium's model; 0: held fixed
-  bool speed_offset_per_run = false;  ///< one offset each run instead of one for all
+  bool speed_offset_per_run = false;  ///< one offset for each run instead of a common one
   Timing timing;
   Noise noise;
   std::optional<AttenuationPrior> attenuation;
   std::vector<SiteBeacon> beacons;
   std::vector<SiteVehicle> vehicles;
-  std::vector<SiteReceiver> receivers;  ///< all vehicles' receivers, vehicle by vehicle
+  std::vector<SiteReceiver> receivers;  ///< receivers of all vehicles, vehicle by vehicle
   std::vector<ControlDistance> distances;
   Tolerance tolerance;
   ValidityPeriod validity;
   Gates gates;
-  std::vector<std::string> warnings;  ///< of reading: ignored keys, assumptions made
-  /// Blocks that the site file states; they may be left out only where there are no arrivals (bearings or
+  std::vector<std::string> warnings;  ///< warnings of the reader: ignored keys, assumptions made
+  /// Blocks that are present in the site file. They are required unless there are no arrivals (bearings or
   /// scans alone).
   bool medium_given = true, timing_given = true, tof_sigma_given = true;
 };
 
-/// Prior of a beacon's delay [s]: what the beacon states, and timing's for what it does not. With delay_per
-/// beacon.
+/// Prior of a beacon's delay [s]: the beacon's own values, else those in `timing`. Requires delay_per beacon.
 [[nodiscard]] Prior beacon_delay_prior(const Site& site, std::size_t beacon);
-/// Largest prior sigma of the delays in use [s]; 0: none is an unknown.
+/// Largest prior sigma of the delays in use [s]; 0 if no delay is an unknown.
 [[nodiscard]] double largest_delay_sigma_s(const Site& site);
 
-/// Names by which a run's rows are resolved; from a site or from a deployment.
+/// Names that rows of a run refer to, from a site or a deployment.
 struct NameTable {
   std::vector<std::string> beacons;
   std::vector<std::string> vehicles;
@@ -219,8 +220,8 @@ struct NameTable {
   };
   std::vector<Receiver> receivers;
 
-  /// By name, one after the other; an id that is not valid() where there is none. @param vehicle, receiver
-  /// empty: the only one, or the vehicle `robot`
+  /// Find an entry by name, by linear search; the result is not valid() if there is none. An empty vehicle or
+  /// receiver name means the only one, or the vehicle `robot`.
   [[nodiscard]] BeaconId find_beacon(std::string_view name) const;
   [[nodiscard]] VehicleId find_vehicle(std::string_view name) const;
   [[nodiscard]] ReceiverId find_receiver(VehicleId vehicle, std::string_view name) const;

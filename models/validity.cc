@@ -29,8 +29,9 @@ void check_temperature(const Deployment& d, const MeasurementLog& run, OutsideVa
   if (std::max(below, above) > 0.0) out.temperature_degC = below > above ? (*stated)[0] : (*stated)[1];
 }
 
-constexpr double kInThePlane95 = 2.4477;    ///< sqrt of chi-square's 95 % point of 2 degrees
-constexpr double kLongest_months = 1200.0;  ///< beyond which no date is told
+constexpr double kInThePlane95 =
+    2.4477;  ///< square root of the 95 % quantile of chi-square with two degrees of freedom
+constexpr double kLongest_months = 1200.0;  ///< later dates are not reported
 
 /// Months until a beacon may have left the tolerance.
 double months_within(const DeploymentBeacon& b, double tolerance_m, double drift_m_per_month) {

@@ -77,7 +77,7 @@ ReceiverId NameTable::find_receiver(VehicleId vehicle, std::string_view name) co
   ReceiverId found;
   for (std::size_t i = 0; i < receivers.size(); ++i) {
     if (receivers[i].vehicle != vehicle || (!name.empty() && receivers[i].name != name)) continue;
-    if (found.valid()) return {};  // not named, and there are several
+    if (found.valid()) return {};  // no name given, but there are several
     found = ReceiverId(i);
   }
   return found;
