@@ -10,7 +10,7 @@ namespace octant {
 
 LogDirectivity log_directivity(double cosine, double half_power_angle_rad) {
   constexpr double kLogHalfPower = -std::numbers::ln2 / 2;  // ln(1 / sqrt 2)
-  constexpr double kBehind = 1e-6;                          // of (1 + cos) / 2 = cos^2(theta / 2)
+  constexpr double kBehind = 1e-6;                          // bound of (1 + cos) / 2 = cos^2(theta / 2)
   const double tangent = std::tan(half_power_angle_rad / 2);
   const double scale = -std::log1p(tangent * tangent);  // ln((1 + cos h) / 2)
   const double m = kLogHalfPower / scale, share = (1 + cosine) / 2,

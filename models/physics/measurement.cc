@@ -10,7 +10,7 @@
 namespace octant {
 namespace {
 
-/// Keeps directions finite when a receiver sits on the beacon.
+/// Lower bound on distances, which keeps directions finite when a receiver coincides with the beacon.
 constexpr double kMinDistanceM = 1e-6;
 
 struct Leg {
@@ -29,8 +29,8 @@ Leg leg_of(const Pose& T_map_vehicle, const Eigen::Vector3d& p_receiver_vehicle_
   return leg;
 }
 
-/// A derivative by a point of the vehicle, in the map, as one by the pose's tangent vector.
-/// @param by_turn  what a turn (in the vehicle's frame) changes beside the point's place
+/// Converts a derivative by a point of the vehicle, in the map, into one by the pose's tangent vector.
+/// @param by_turn  additional effect of a rotation (in the vehicle's frame), beyond the motion of the point
 Eigen::Matrix<double, 1, 6> by_pose(const Eigen::Vector3d& by_point_map, const Pose& T,
                                     const Eigen::Vector3d& o_vehicle_m, Motion motion,
                                     const Eigen::RowVector3d& by_turn = Eigen::RowVector3d::Zero()) {
@@ -49,8 +49,7 @@ Eigen::Matrix<double, 1, 6> by_pose(const Eigen::Vector3d& by_point_map, const P
   return row;
 }
 
-/// How the pulse comes to a receiver off its axis: ln D, and its derivative by the receiver's place in the
-/// map.
+/// Off-axis loss at a receiver: ln D and its derivative by the receiver's position in the map.
 struct OffAxis {
   LogDirectivity log_gain;
   Eigen::Vector3d axis_map = Eigen::Vector3d::Zero();
@@ -80,7 +79,7 @@ Eigen::Matrix<double, 1, 6> off_axis_by_pose(const OffAxis& off, const Leg& leg,
                  by_turn);
 }
 
-/// Walk and log amplitude at a distance with a gain.
+/// Walk and log amplitude at a distance, for a given gain.
 struct Walk {
   double walk_s = 0.0, log_amplitude = 0.0;
   double by_log_amplitude = 0.0;  ///< of the walk, s

@@ -12,43 +12,43 @@
 
 namespace octant {
 
-/// What one arrival is predicted from. Pointers are not owned; null where there is none.
+/// Inputs of the prediction of one arrival. Pointers are not owned; optional ones are null.
 struct PathInput {
-  const Pose* T_map_vehicle = nullptr;  ///< at time_s
+  const Pose* T_map_vehicle = nullptr;  ///< pose at time_s
   Eigen::Vector3d p_beacon_map_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d p_receiver_vehicle_m = Eigen::Vector3d::Zero();
   double speed_mps = 343.0;
-  double delay_s = 0.0;  ///< beacon's plus receiver's, plus turnaround and cycle offset where they apply
+  double delay_s =
+      0.0;  ///< delay of beacon and receiver, plus turnaround time and cycle offset where they apply
   const AttenuationModel* attenuation = nullptr;
-  /// Two-way ranging: T_hear_send, the vehicle's pose when it asked, in the frame of its pose when it heard
-  /// the reply.
+  /// Two-way ranging: T_hear_send, the pose at the time of the request in the frame of the pose at the time
+  /// of reception.
   const Pose* T_hear_send = nullptr;
-  /// Unit vector in which the receiver hears best, in the vehicle frame; null or zero: all round alike.
-  /// Counts where the attenuation is directional.
+  /// Unit vector of the receiver's axis in the vehicle frame. Null or zero: omnidirectional. Used only if the
+  /// attenuation is directional.
   const Eigen::Vector3d* axis_vehicle = nullptr;
-  double log_gain =
-      0.0;  ///< of the beacon over the attenuation's amplitude, ln: dirt and age dampen one alone
-  /// ln(A / 1 V) as measured: then the walk is that of this amplitude instead of the predicted one, and tells
-  /// nothing of the states.
+  double log_gain = 0.0;  ///< natural logarithm of the beacon's amplitude relative to the attenuation model,
+                          ///< for a beacon that dirt or age dampens
+  /// Measured ln(A / 1 V). If given, the walk follows from it instead of the predicted amplitude, and then
+  /// carries no information about the states.
   std::optional<double> log_amplitude{};
 };
 
-/// By the unknowns of an AttenuationModel.
+/// Derivatives by the unknowns of an AttenuationModel.
 using AttenuationRow = Eigen::Matrix<double, 1, kAttenuationUnknowns>;
 
-/// Time of flight and log amplitude predicted for an arrival, with their derivatives.
-/// Rows with respect to the pose use the tangent of Motion: planar (x, y, heading), spatial (translation,
-/// body rotation).
+/// Predicted time of flight and log amplitude of an arrival, with their derivatives. Derivatives by the pose
+/// use the tangent of Motion: planar (x, y, heading), spatial (translation, body rotation).
 struct PathOutput {
-  bool heard = true;        ///< false: below threshold; the walk is then that of an amplitude just above it
-  double distance_m = 0.0;  ///< one way; for two-way ranging half the sum
+  bool heard = true;  ///< false below the threshold; the walk is then that of an amplitude just above it
+  double distance_m = 0.0;  ///< one way; half the sum of both ways for two-way ranging
   double tof_s = 0.0;
   double log_amplitude =
       std::numeric_limits<double>::quiet_NaN();  ///< ln(A / 1 V), with an attenuation model
 
   Eigen::RowVector3d tof_by_beacon;         ///< s/m
   Eigen::RowVector3d tof_by_receiver;       ///< s/m, in the vehicle frame
-  Eigen::Matrix<double, 1, 6> tof_by_pose;  ///< planar uses the first three
+  Eigen::Matrix<double, 1, 6> tof_by_pose;  ///< planar motion uses the first three columns
   double tof_by_speed = 0.0;                ///< s/(m/s)
   AttenuationRow tof_by_attenuation;
 
@@ -57,17 +57,17 @@ struct PathOutput {
   Eigen::Matrix<double, 1, 6> log_amplitude_by_pose;
 };
 
-/// The measurement equation:
+/// Evaluates the measurement equation:
 ///   tof = |T o - p| / c + delay + walk,   walk = -tau ln(1 - V_th / A),   A = A_1m / d exp(-alpha d)
 ///   D(theta)
-/// Two-way: (|T o - p| + |T T_hear_send o - p|) / c + ..., both legs' mean distance in A, and theta of the
-/// way back. The derivative by a delay or a cycle offset is 1.
+/// With two-way ranging the path is (|T o - p| + |T T_hear_send o - p|) / c. The amplitude then uses the mean
+/// distance of both ways, and theta that of the reply. Derivatives by a delay or a cycle offset are 1.
 [[nodiscard]] PathOutput predict_arrival(const PathInput& input, Motion motion);
-/// The same without derivatives (only heard, distance_m, tof_s, log_amplitude are set).
+/// Evaluates the equation without derivatives: only heard, distance_m, tof_s and log_amplitude are set.
 [[nodiscard]] PathOutput predict_arrival_value(const PathInput& input);
 
-/// Bearing of a reflector from a pose, in the vehicle frame, (-pi, pi]; derivatives by reflector (x, y, z)
-/// and pose (planar).
+/// Bearing of a reflector from a pose, in the vehicle frame, in (-pi, pi]; derivatives by the reflector's
+/// position (x, y, z) and by the planar pose.
 struct BearingOutput {
   double bearing_rad = 0.0;
   Eigen::RowVector3d by_reflector;

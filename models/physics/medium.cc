@@ -65,7 +65,7 @@ double air_absorption_np_per_m(double frequency_hz, double temperature_degC, dou
   const double relax_n2 =
       p / std::sqrt(t) * (9.0 + 280.0 * h * std::exp(-4.170 * (std::pow(t, -1.0 / 3.0) - 1.0)));
   const double f2 = frequency_hz * frequency_hz;
-  // The standard's bracket times f^2 is in nepers a metre; its factor 8.686 turns it into decibels.
+  // The bracket of the standard times f^2 is in Np/m; its factor 8.686 converts to decibels.
   return f2 * (1.84e-11 / p * std::sqrt(t) +
                std::pow(t, -2.5) * (0.01275 * std::exp(-2239.1 / kelvin) / (relax_o2 + f2 / relax_o2) +
                                     0.1068 * std::exp(-3352.0 / kelvin) / (relax_n2 + f2 / relax_n2)));

@@ -9,7 +9,7 @@
 
 namespace octant {
 
-/// A vector of the plane turned by a quarter counter-clockwise.
+/// Vector rotated counter-clockwise by a right angle.
 [[nodiscard]] inline Eigen::Vector2d left_of(const Eigen::Vector2d& v) { return {-v.y(), v.x()}; }
 
 /// z component of the cross product: positive where b lies to the left of a.
@@ -27,10 +27,10 @@ namespace octant {
   return {std::cos(angle_rad), std::sin(angle_rad)};
 }
 
-/// From the x axis, counter-clockwise, in (-pi, pi].
+/// Angle from the x axis, counter-clockwise, in (-pi, pi].
 [[nodiscard]] inline double angle_of(const Eigen::Vector2d& v) { return std::atan2(v.y(), v.x()); }
 
-/// Distance of a point from a line segment, whose ends may be one point.
+/// Distance of a point from a line segment, which may have length zero.
 [[nodiscard]] inline double distance_from_segment(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                                                   const Eigen::Vector2d& point) {
   const Eigen::Vector2d along = to - from;

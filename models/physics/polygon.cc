@@ -74,7 +74,7 @@ std::optional<std::pair<std::size_t, std::size_t>> self_crossing(const Polygon& 
     for (std::size_t j = i + 1; j < n; ++j) {
       const Vector2d &a = polygon[i], &b = polygon[(i + 1) % n], &c = polygon[j], &d = polygon[(j + 1) % n];
       if (j == i + 1 || (i == 0 && j == n - 1)) {
-        // Neighbours share a corner; they must not fold back onto each other.
+        // Neighbouring sides share a corner but must not fold back onto each other.
         const Vector2d &shared = j == i + 1 ? b : a, one = j == i + 1 ? a : b, other = j == i + 1 ? d : c;
         if (turn(shared, one, other) == 0 && (one - shared).dot(other - shared) > 0)
           return std::make_pair(i, j);

@@ -12,22 +12,23 @@
 
 namespace octant {
 
-using Polygon = std::vector<Eigen::Vector2d>;  ///< corners in order, the last joins the first
+using Polygon = std::vector<Eigen::Vector2d>;  ///< corners in order; the last is joined to the first
 
-/// The least upright rectangle that holds all points; empty where there is none.
+/// Smallest axis-parallel rectangle that contains all points; empty if there are no points.
 [[nodiscard]] Eigen::AlignedBox2d bounds_of(std::span<const Eigen::Vector2d> points);
 
-/// Twice the signed area is positive where the corners go counter-clockwise.
+/// Signed area, positive for counter-clockwise corners [m^2].
 [[nodiscard]] double signed_area_m2(const Polygon& polygon);
-/// By even and odd crossings; on the outline either.
+/// Even-odd test. Points on the outline may give either result.
 [[nodiscard]] bool is_inside(const Polygon& polygon, const Eigen::Vector2d& point);
-/// Of the outline. @param polygon  not empty
+/// Point of the outline that is nearest to a point. @param polygon  not empty
 [[nodiscard]] Eigen::Vector2d nearest_on_outline(const Polygon& polygon, const Eigen::Vector2d& point);
-/// To the outline, within or without.
+/// Distance of a point inside or outside from the outline.
 [[nodiscard]] double distance_to_outline_m(const Polygon& polygon, const Eigen::Vector2d& point);
-/// First pair of sides (by their first corners) that meet elsewhere than neighbours do at their corner.
+/// Returns the first pair of sides (by their first corners) that meet, other than neighbours at their common
+/// corner.
 [[nodiscard]] std::optional<std::pair<std::size_t, std::size_t>> self_crossing(const Polygon& polygon);
-/// Convex hull, counter-clockwise (Andrew's monotone chain); fewer than three points as they are, in order.
+/// Convex hull, counter-clockwise (Andrew's monotone chain). Fewer than three points are returned in order.
 [[nodiscard]] Polygon convex_hull(std::vector<Eigen::Vector2d> points);
 
 }  // namespace octant

@@ -9,9 +9,10 @@
 namespace octant {
 namespace {
 
-constexpr double kSmallTangent2 = 0.0025;  ///< of half a turn, squared; as kSmallTurn2
+constexpr double kSmallTangent2 =
+    0.0025;  ///< square of the tangent of half a turn; corresponds to kSmallTurn2
 
-/// sin(a / 2) / a and cos(a / 2), of a^2.
+/// sin(a / 2) / a and cos(a / 2) as functions of a^2.
 double half_sine_by_angle(double a2) {
   return polynomial(a2, 1.0 / 2, -1.0 / 48, 1.0 / 3840, -1.0 / 645120, 1.0 / 185794560, -1.0 / 81749606400.0);
 }
@@ -40,8 +41,7 @@ Pose Pose::inverse() const {
 }
 
 double wrap_angle(double angle_rad) {
-  // Within a turn and a half the remainder is a difference without rounding (Sterbenz), and ten times as
-  // fast.
+  // Below one and a half turns the remainder is an exact difference (Sterbenz), and ten times as fast.
   if (std::abs(angle_rad) < M_PI) return angle_rad;
   if (std::abs(angle_rad) < 3 * M_PI) {
     const double within = angle_rad - std::copysign(2 * M_PI, angle_rad);
@@ -53,7 +53,7 @@ double wrap_angle(double angle_rad) {
 
 Eigen::Vector3d log_rotation(const Eigen::Quaterniond& q) {
   const double n2 = q.vec().squaredNorm(), t2 = n2 / (q.w() * q.w());
-  // 2 atan(n / w) / n; of turns below a tenth its series.
+  // 2 atan(n / w) / n; below a tenth of a radian by its series.
   if (t2 < kSmallTangent2)
     return 2.0 / q.w() * polynomial(t2, 1.0, -1.0 / 3, 1.0 / 5, -1.0 / 7, 1.0 / 9, -1.0 / 11) * q.vec();
   if (!(n2 > 0)) return Eigen::Vector3d::Zero();

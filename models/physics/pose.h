@@ -11,14 +11,14 @@
 
 namespace octant {
 
-/// Rigid motion T_a_b: p_a = rotation * p_b + translation_m. As a vehicle's pose it is T_map_vehicle.
+/// Rigid motion T_a_b: p_a = rotation * p_b + translation_m. The pose of a vehicle is T_map_vehicle.
 struct Pose {
   Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
 
   /// Planar pose: z = 0, rotation about +z by heading_rad (counter-clockwise).
   [[nodiscard]] static Pose planar(double x_m, double y_m, double heading_rad);
-  /// Rotation of the vehicle's x axis about map +z, in (-pi, pi].
+  /// Angle of the vehicle's x axis about map +z, in (-pi, pi].
   [[nodiscard]] double heading_rad() const;
   [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& p) const {
     return rotation * p + translation_m;
@@ -27,7 +27,7 @@ struct Pose {
   [[nodiscard]] Pose inverse() const;
 };
 
-/// Angle brought into (-pi, pi].
+/// Wraps an angle into (-pi, pi].
 [[nodiscard]] double wrap_angle(double angle_rad);
 
 /// Rotation vector of a unit quaternion, |phi| <= pi, and back.
@@ -38,36 +38,35 @@ struct Pose {
 [[nodiscard]] Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& phi);
 [[nodiscard]] Eigen::Matrix3d right_jacobian_inverse(const Eigen::Vector3d& phi);
 
-/// Pose between a (alpha = 0) and b (alpha = 1): linear in translation, shortest rotation.
+/// Interpolates between a (alpha = 0) and b (alpha = 1): linear in translation, shortest rotation.
 [[nodiscard]] Pose interpolate(const Pose& a, const Pose& b, double alpha);
 
-/// How a vehicle may move, and with it the tangent space of its pose:
-/// planar: (x, y) in the map and heading, 3 values; spatial: translation in the map, rotation in the vehicle
-/// frame, 6 values.
+/// Motion of a vehicle, which defines the tangent space of its pose. Planar: (x, y) in the map and heading, 3
+/// values. Spatial: translation in the map and rotation in the vehicle frame, 6 values.
 enum class Motion { kPlanar, kSpatial };
 [[nodiscard]] constexpr int pose_dof(Motion motion) { return motion == Motion::kPlanar ? 3 : 6; }
-/// The first of a pose's degrees of freedom that is a turn.
+/// Index of the first rotational degree of freedom of a pose.
 [[nodiscard]] constexpr int first_turn(Motion motion) { return motion == Motion::kPlanar ? 2 : 3; }
 
-/// Information about an angle of which nothing is known: it is somewhere on the circle.
+/// Information of an unknown angle, which lies somewhere on the circle.
 inline constexpr double kVagueAngle = 1.0 / (std::numbers::pi * std::numbers::pi);
 
-/// Adds it to the turns of a block whose first unknowns are a pose's.
+/// Adds this information to the rotations of a block whose first unknowns are those of a pose.
 template <class Block>
 void add_vague_angles(Motion motion, Block& information) {
   for (int i = first_turn(motion); i < pose_dof(motion); ++i) information(i, i) += kVagueAngle;
 }
 
-/// How a point of the map moves with the whole map, by column: along x, y and about z (planar), or along and
-/// about all three axes; turns are about the origin [m, m/rad].
+/// Motion of a map point with the whole map, by column: translation along x, y and rotation about z (planar),
+/// or along and about all three axes. Rotations are about the origin [m, m/rad].
 [[nodiscard]] Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, 6> map_motions_at(
     const Eigen::Vector3d& p_map_m, Motion motion);
 
 /// Tangent vector of a pose (see Motion).
 using PoseTangent = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 6, 1>;
 
-/// By which the second pose is off the first one: retract(from, tangent_between(from, to, motion), motion) is
-/// `to`, in the plane but for what is not of the plane.
+/// Tangent vector from one pose to another: retract(from, tangent_between(from, to, motion), motion) equals
+/// `to`. For planar motion this is limited to the planar components of `to`.
 [[nodiscard]] PoseTangent tangent_between(const Pose& from, const Pose& to, Motion motion);
 
 /// Moves a pose by a tangent vector (see Motion).

@@ -9,12 +9,12 @@
 
 namespace octant {
 
-/// Normal equations of a planar pose and the offset of its cycle: x, y, heading, offset [m].
+/// Normal equations of a planar pose and its cycle offset: x, y, heading, offset [m].
 struct PoseEquations {
-  Eigen::Matrix4d H = Eigen::Matrix4d::Zero();  ///< the lower triangle
+  Eigen::Matrix4d H = Eigen::Matrix4d::Zero();  ///< lower triangle only
   Eigen::Vector4d g = Eigen::Vector4d::Zero();
 
-  /// @param row  derivatives of what is predicted; the offset's is taken only where there is one
+  /// @param row  derivatives of the prediction; the last is used only if there is an offset
   void add(double w, const double (&row)[4], double residual, bool has_offset) {
     const double x = w * row[0], y = w * row[1], heading = w * row[2];
     g[0] += x * residual;
@@ -32,9 +32,9 @@ struct PoseEquations {
     for (int p = 0; p < 4; ++p) H(3, p) += offset * row[p];
   }
 
-  /// Solution of H step = g; numbers that are none where H is not positive definite. A heading that nothing
-  /// tells stays where it is; so does a position where all arrivals have lost their weight, held by a sigma
-  /// of span_m.
+  /// Solves H step = g. Without information about the heading it stays unchanged. If all arrivals have lost
+  /// their weight, a sigma of span_m keeps the position.
+  /// @return not finite if H is not positive definite
   [[nodiscard]] Eigen::Vector4d step(double span_m, bool has_offset) const {
     Eigen::Matrix4d A = H;
     A(2, 2) += kVagueAngle;
@@ -44,7 +44,7 @@ struct PoseEquations {
   }
 
  private:
-  /// For the first N unknowns.
+  /// Solves for the first N unknowns.
   template <int N>
   [[nodiscard]] Eigen::Vector4d solved(const Eigen::Matrix4d& A) const {
     Eigen::Vector4d b = g;

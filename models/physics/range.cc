@@ -34,7 +34,7 @@ TimedRange range_with_walk(const FlightTime& f, const AttenuationModel& a, doubl
   const double path_m = f.speed_mps * f.time_s;
   TimedRange out{path_m / f.legs, f.speed_mps / f.legs};
   if (!(path_m > 0)) return out;
-  // The left side rises with d, so Newton's step is kept within a bracket.
+  // The left side increases with d, so Newton's step is kept within a bracket.
   double low_m = kMinDistance_m, high_m = std::max(out.range_m, kMinDistance_m), d_m = high_m;
   double slope = f.legs;
   for (int i = 0; i < kMostSteps; ++i) {

@@ -9,9 +9,9 @@
 
 namespace octant {
 
-/// The rotation that the four numbers of a quaternion write, whatever its length, as files and other programs
-/// round them. Rounding in the last digits is left alone, so that what was written reads back the same. None:
-/// no length, or no numbers.
+/// Normalises a quaternion read from a file or from another program. Deviations of a few digits from unit
+/// length are left unchanged, so that written values read back identically. Returns no value if the length is
+/// zero or not finite.
 [[nodiscard]] inline std::optional<Eigen::Quaterniond> unit_rotation(double qx, double qy, double qz,
                                                                      double qw) {
   const Eigen::Quaterniond q(qw, qx, qy, qz);

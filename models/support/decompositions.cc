@@ -22,7 +22,7 @@ Eigen::MatrixXd symmetric_root(const Eigen::MatrixXd& A) {
 
 Eigen::MatrixXd covariance_root(const Eigen::MatrixXd& C) {
   if (C.rows() == 0) return {};
-  // Scaled, as metres, seconds and metres a second stand beside each other.
+  // Scaled, because metres, seconds and metres per second occur together.
   const Eigen::VectorXd sigma = C.diagonal().cwiseMax(0.0).cwiseSqrt();
   const Eigen::VectorXd inverse = sigma.unaryExpr([](double s) { return s > 0 ? 1 / s : 0.0; });
   const SymmetricEigen<Eigen::MatrixXd> eigen(inverse.asDiagonal() * C * inverse.asDiagonal());

@@ -9,8 +9,9 @@
 
 namespace octant {
 
-/// Eigen's decompositions, computed in one unit (decompositions.cc): each other unit that computed one would
-/// spend seconds on its templates. What they hold is read as Eigen has it.
+/// Wrappers of Eigen's decompositions that are compiled once, in decompositions.cc. Every other source file
+/// that instantiated one would spend seconds on its templates. Results are read through Eigen's own
+/// interface.
 
 /// Square matrix of at most seven rows that needs no allocation: a block of the largest state.
 using SmallSquare = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 7, 7>;
@@ -28,19 +29,20 @@ extern template class SymmetricEigen<Eigen::Matrix2d>;
 extern template class SymmetricEigen<Eigen::Matrix3d>;
 extern template class SymmetricEigen<Eigen::Matrix4d>;
 
-/// R = R' with R R = A, of a symmetric matrix without its negative eigenvalues: it follows A continuously.
+/// Symmetric R with R R = A for a symmetric matrix A, negative eigenvalues set to zero. R depends
+/// continuously on A.
 [[nodiscard]] Eigen::MatrixXd symmetric_root(const Eigen::MatrixXd& A);
 
-/// R with C = R R' of a covariance that may have lost rank to rounding; columns that give nothing are left
-/// out.
+/// R with C = R R' for a covariance that may have lost rank by rounding; columns that contribute nothing are
+/// omitted.
 [[nodiscard]] Eigen::MatrixXd covariance_root(const Eigen::MatrixXd& C);
 
 class PivotedQr : public Eigen::ColPivHouseholderQR<Eigen::MatrixXd> {
  public:
   explicit PivotedQr(const Eigen::MatrixXd& matrix);
-  /// Orthonormal columns with the span of the matrix, as many as its rank.
+  /// Orthonormal basis of the column space; the number of columns is the rank.
   [[nodiscard]] Eigen::MatrixXd basis() const;
-  /// Q' B.
+  /// Returns Q' B.
   [[nodiscard]] Eigen::MatrixXd transposed_times(Eigen::MatrixXd B) const;
 };
 

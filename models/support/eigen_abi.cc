@@ -10,8 +10,8 @@ const char CompileWith_EIGEN_MAX_ALIGN_BYTES_16_and_EIGEN_MALLOC_ALREADY_ALIGNED
     max_align_bytes, max_static_align_bytes, malloc_already_aligned, index_bytes,
     row_major>::as_octants_libraries = 0;
 
-// The libraries' own settings, and no others, can be linked. Instantiated, not specialised: the header uses
-// it before.
+// Only the settings of the libraries are defined here and can be linked. Instantiated, not specialised,
+// because the header uses it before.
 template struct CompileWith_EIGEN_MAX_ALIGN_BYTES_16_and_EIGEN_MALLOC_ALREADY_ALIGNED_1<
     EIGEN_MAX_ALIGN_BYTES, EIGEN_MAX_STATIC_ALIGN_BYTES, EIGEN_MALLOC_ALREADY_ALIGNED != 0,
     static_cast<int>(sizeof(EIGEN_DEFAULT_DENSE_INDEX_TYPE)),

@@ -4,12 +4,12 @@
 
 #include <Eigen/Core>
 
-// How Eigen's types are laid out and allocated depends on compiler flags: with -mavx a pose is aligned to 32
-// bytes instead of 16, under AddressSanitizer matrices are allocated otherwise. A program that was built with
-// other settings than the library would free what malloc never gave. So the libraries fix the settings, their
-// CMake targets and pkg-config files pass them on, and every object file that includes this header asks the
-// linker for a symbol that names its own: a program that goes another way does not link, and the linker's
-// message says what to compile with.
+// The layout and allocation of Eigen's types depend on compiler flags. With -mavx a pose is aligned to 32
+// bytes instead of 16, and AddressSanitizer changes the allocation of matrices. A program built with other
+// settings than the library would free memory that malloc never returned. Therefore the libraries fix the
+// settings, and their CMake targets and pkg-config files pass them on. Each object file that includes this
+// header references a symbol named after its own settings. A program with other settings does not link, and
+// the message of the linker states the required flags.
 namespace octant::abi {
 
 template <int max_align_bytes, int max_static_align_bytes, bool malloc_already_aligned, int index_bytes,

@@ -9,7 +9,7 @@
 
 namespace octant {
 
-/// Names of an enumeration whose values count from zero, in their order.
+/// Names of an enumeration whose values count from zero, in order.
 template <class Enum, std::size_t N>
 struct EnumNames {
   std::array<const char*, N> names;
@@ -17,7 +17,7 @@ struct EnumNames {
   [[nodiscard]] constexpr const char* operator[](Enum value) const {
     return names[static_cast<std::size_t>(value)];
   }
-  /// The value of that name.
+  /// Returns the value with a given name.
   [[nodiscard]] constexpr std::optional<Enum> find(std::string_view name) const {
     for (std::size_t i = 0; i < N; ++i)
       if (name == names[i]) return static_cast<Enum>(i);

@@ -4,8 +4,8 @@
 
 namespace octant {
 
-/// Beyond these a number is a fault of whoever wrote it, whose square may be no number any more. A unit taken
-/// for another is nowhere near them, and is told as such.
+/// Largest plausible values. Larger numbers are input errors, and their squares may overflow. A confusion of
+/// units does not reach these bounds; it is detected separately.
 inline constexpr double kLargestTof_s = 1e10;    ///< three hundred years; in metres the solar system
 inline constexpr double kLargestLength_m = 1e9;  ///< a million kilometres
 

@@ -9,29 +9,30 @@
 
 namespace octant {
 
-// What an information matrix tells of a state, and what it does not. Its elements differ by the squares of
-// metres and radians, so it is judged scaled to a unit diagonal, where the smallest pivot is the share of a
-// direction's information that the others leave to it. This is the one rule for states and poses; sums over
-// hundreds of parameters, where rounding is nearer, have calib/adjust/covariance.h.
+// Test of which directions of a state an information matrix determines. Its elements differ by the squares of
+// metres and radians, so the matrix is first scaled to a unit diagonal. The smallest pivot is then the share
+// of a direction's information that remains after eliminating the other directions. This rule applies to all
+// states and poses. Sums over hundreds of parameters, where rounding matters more, use
+// calib/adjust/covariance.h.
 
-/// A direction whose share is not more than this is unobserved.
+/// A direction with at most this share of its information is unobserved.
 inline constexpr double kUnobserved = 1e-10;
 
-/// What a step of a state that nothing observes is held by, as a share of its block's largest element.
+/// Regularisation of an unobserved state's step, as a share of the largest element of its block.
 inline constexpr double kStepFloor = 1e-9;
 
-/// L D L' of an information matrix scaled to a unit diagonal.
+/// L D L' factorisation of an information matrix scaled to a unit diagonal.
 template <class Matrix>
 class ObservedState {
  public:
   explicit ObservedState(const Matrix& information) : ObservedState(UnitDiagonal<Matrix>(information)) {}
 
-  /// Whether all directions are observed.
+  /// Returns true if all directions are observed.
   [[nodiscard]] bool all() const {
     const auto pivots = factor_.vectorD();
     return factor_.info() == Eigen::Success && (pivots.array() > kUnobserved).all();
   }
-  /// Of use where all are.
+  /// Valid only if all directions are observed.
   [[nodiscard]] Matrix covariance() const {
     return solve(Matrix::Identity(factor_.rows(), factor_.cols()).eval());
   }

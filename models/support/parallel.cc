@@ -13,22 +13,22 @@
 namespace octant {
 namespace {
 
-/// What helpers are asked for; stands with whoever asks, until no one is at it.
+/// Request for helpers. Owned by the caller, and alive until no helper runs it.
 struct Job {
   void (*loop)(void* data);
   void* data;
   std::size_t wanted;       ///< helpers that may still begin
-  std::size_t running = 0;  ///< helpers that are at it
+  std::size_t running = 0;  ///< helpers that are running
 };
 
 class Helpers {
  public:
-  /// Those of this process, never destroyed: they wait where they are when the program ends.
+  /// Threads of this process. Never destroyed, so that they may still wait when the program ends.
   static Helpers& all() {
     static Helpers* const helpers = [] {
       auto* made = new Helpers;
-      // A fork has none of the threads, the lock as it was, and conditions that still count the parent's
-      // waiters: who would wake these waits for them to leave.
+      // After a fork the child has none of the threads. The lock is copied in its current state, and the
+      // conditions still count waiters of the parent, so they are created again.
       pthread_atfork([] { all().mutex_.lock(); }, [] { all().mutex_.unlock(); },
                      [] {
                        all().count_ = all().idle_ = 0;
@@ -60,7 +60,7 @@ class Helpers {
   }
 
  private:
-  /// Where the system has no more threads to give, those that there are do it all.
+  /// If the system cannot create more threads, the existing ones do all the work.
   void make(std::size_t wanted) {
     try {
       for (; count_ < kMost && idle_ < wanted; ++count_, ++idle_) std::thread([this] { serve(); }).detach();
@@ -88,8 +88,8 @@ class Helpers {
 
   std::mutex mutex_;
   std::condition_variable work_, done_;
-  std::deque<Job*> jobs_;             ///< that helpers may still begin
-  std::size_t count_ = 0, idle_ = 0;  ///< threads, and those that wait or are about to
+  std::deque<Job*> jobs_;             ///< jobs that helpers may still start
+  std::size_t count_ = 0, idle_ = 0;  ///< number of threads, and of those that are idle
 };
 
 }  // namespace

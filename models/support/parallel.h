@@ -9,16 +9,16 @@
 
 namespace octant {
 
-/// Has up to `helpers` other threads call loop(data), and calls it itself. Returns when all that began have
-/// ended; helpers that have not begun by the time its own call ends are no longer waited for. They are kept
-/// for the next time: making one takes as long as a chain of a hundred states, and a new one waits for its
-/// turn where a machine is busy.
+/// Runs loop(data) on up to `helpers` other threads and on this one. Returns when all started calls have
+/// finished. Helpers that have not started by the time this thread's own call ends are not waited for. The
+/// threads are kept for later calls, because creating one costs as much as solving a chain of a hundred
+/// states.
 void run_with_helpers(std::size_t helpers, void (*loop)(void* data), void* data);
 
-/// Calls work(i) for each i below count, on up to `threads` threads (1 or less: on this one; fewer where the
-/// system has no more to give). Whoever adds results up does it afterwards, in the order of i, so that no sum
-/// depends on the number of threads. What `work` throws first (memory that there is not) comes out here, when
-/// all threads have ended; what has not begun by then is left out.
+/// Calls work(i) for each i below count on up to `threads` threads (1 or less: this thread only; fewer if the
+/// system cannot create them). Sum up results afterwards in the order of i, so that sums do not depend on the
+/// number of threads. The first exception of `work` is rethrown after all threads have ended; calls that had
+/// not started by then are skipped.
 template <class Work>
 void for_each_parallel(std::size_t count, int threads, Work&& work) {
   const std::size_t helpers = std::min(count, static_cast<std::size_t>(std::max(threads, 1)));
@@ -40,7 +40,8 @@ void for_each_parallel(std::size_t count, int threads, Work&& work) {
   if (failure) std::rethrow_exception(failure);
 }
 
-/// The same by stretches: work(chunk, first, last) for each [first, last) of up to `size` of `count` items.
+/// Splits `count` items into chunks of up to `size` and calls work(chunk, first, last) for each [first,
+/// last).
 [[nodiscard]] constexpr std::size_t chunk_count(std::size_t count, std::size_t size) {
   return (count + size - 1) / size;
 }
@@ -50,13 +51,13 @@ void for_each_chunk(std::size_t count, std::size_t size, int threads, Work&& wor
     work(chunk, chunk * size, std::min(count, (chunk + 1) * size));
   });
 }
-/// work(i) for each item of each chunk.
+/// Calls work(i) for each item of each chunk.
 template <class Work>
 void for_each_in_chunks(std::size_t count, std::size_t size, int threads, Work&& work) {
   for_each_chunk(count, size, threads, [&](std::size_t, std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) work(i);
   });
 }
-inline constexpr std::size_t kArrivalsAtOnce = 65536;  ///< that a thread takes
+inline constexpr std::size_t kArrivalsAtOnce = 65536;  ///< number of arrivals in a chunk
 
 }  // namespace octant

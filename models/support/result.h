@@ -9,27 +9,27 @@
 
 namespace octant {
 
-/// What kind of failure an Error is. The command line maps it to its exit code.
+/// Category of an Error. The command line maps it to the exit code.
 enum class Errc {
-  kUsage,       ///< wrong usage of a command (exit 2)
-  kBadInput,    ///< a file or value that does not follow its format (exit 3)
+  kUsage,       ///< invalid usage of a command (exit 2)
+  kBadInput,    ///< invalid format of a file or value (exit 3)
   kOutput,      ///< an output could not be written (exit 3)
   kNotHeard,    ///< a signal too weak for the threshold
-  kNoMemory,    ///< the machine has no memory for it (exit 1)
+  kNoMemory,    ///< out of memory (exit 1)
   kInterrupted  ///< the user asked to stop (exit 130)
 };
 
 /// A failure of the outside world: where, what was found, what was expected, what to do.
 struct Error {
   Errc code = Errc::kBadInput;
-  std::string file{};      ///< path as the user wrote it; empty where there is no file
-  int line = 0;            ///< 1-based; 0: the file as a whole
-  int column = 0;          ///< 1-based; 0: the line as a whole
-  std::string found{};     ///< what is wrong, e.g. "beacon 'B99' is not in the site file"
-  std::string expected{};  ///< what would be right; may be empty
-  std::string advice{};    ///< what to do; may be empty
+  std::string file{};      ///< path as the user wrote it; empty if there is no file
+  int line = 0;            ///< 1-based; 0: the whole file
+  int column = 0;          ///< 1-based; 0: the whole line
+  std::string found{};     ///< description of the problem, e.g. "beacon 'B99' is not in the site file"
+  std::string expected{};  ///< valid input; may be empty
+  std::string advice{};    ///< recommended action; may be empty
 
-  /// "tof.csv:41:7: found ...; expected ...; ..." in one line.
+  /// One line of text: "tof.csv:41:7: found ...; expected ...; ..."
   [[nodiscard]] std::string message() const;
 };
 
@@ -40,7 +40,7 @@ using Result = tl::expected<T, Error>;
   return tl::unexpected<Error>(std::move(error));
 }
 
-/// What does not follow its format or does not fit, without a file.
+/// Error for a value that violates its format or does not fit, without a file.
 [[nodiscard]] inline tl::unexpected<Error> bad_input(std::string found, std::string expected) {
   return fail({.code = Errc::kBadInput, .found = std::move(found), .expected = std::move(expected)});
 }

@@ -8,9 +8,9 @@
 
 namespace octant {
 
-/// Memory for what a fix works on: taken once, used up from the front by one fix, free again for the next.
-/// What does not fit comes from the heap, so it bounds no fix; it only is the reason why a robot's fixes take
-/// no memory of their own.
+/// Preallocated memory for the temporary data of a fix. It is filled from the front and becomes free again
+/// for the next fix. Requests beyond its size are served from the heap, so the size does not limit a fix. It
+/// only lets a robot's fixes run without allocation.
 class Scratch {
  public:
   explicit Scratch(std::size_t bytes);
@@ -21,7 +21,7 @@ class Scratch {
   std::pmr::monotonic_buffer_resource resource_;
 };
 
-/// While it lives, `scratch()` of this thread hands out that memory; all of it is free again when it ends.
+/// During its lifetime scratch() of this thread returns the given memory; afterwards all of it is free again.
 class ScratchScope {
  public:
   explicit ScratchScope(Scratch& scratch);
@@ -34,8 +34,8 @@ class ScratchScope {
   std::pmr::memory_resource* outer_;
 };
 
-/// Where vectors that live no longer than a fix get their memory: the innermost scope's, or the heap where
-/// there is none.
+/// Memory resource for vectors that live no longer than a fix: that of the innermost scope, or the heap
+/// outside any scope.
 [[nodiscard]] std::pmr::memory_resource* scratch();
 
 }  // namespace octant

@@ -6,7 +6,7 @@
 
 namespace octant {
 
-// Of numbers; kernels have it of their vectors (vector-inl.h).
+// Scalar version; kernels instantiate it for their vectors (vector-inl.h).
 #include "models/support/small_cholesky.inc"
 
 }  // namespace octant

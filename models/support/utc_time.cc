@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kSecondsADay = 86400;
 
-/// Walks over the text; what does not fit makes it fail for good.
+/// Scanner over the text; the first mismatch makes it fail permanently.
 class DateScanner {
  public:
   explicit DateScanner(std::string_view text) : text_(text) {}
@@ -47,7 +47,7 @@ class DateScanner {
   bool failed_ = false;
 };
 
-/// "Z", "+01:00" or "-0130", as seconds east.
+/// Parses "Z", "+01:00" or "-0130" into seconds east.
 std::int64_t offset_east_s(DateScanner& scan) {
   if (scan.take("Zz")) return 0;
   scan.need("+-");

@@ -9,13 +9,13 @@
 
 namespace octant {
 
-/// The mean month of calendars, by which ages and due dates count.
+/// Length of the mean calendar month, for ages and due dates.
 inline constexpr double kSecondsAMonth = 30.44 * 86400.0;
 
-/// Seconds since 1970 of a date in ISO 8601: "2026-11-22T10:27:37Z", with a fraction (left out) or an offset
-/// (+01:00), or the day alone (its midnight). None where it is something else, or no day of the calendar.
+/// Parses a date in ISO 8601 into seconds since 1970: "2026-11-22T10:27:37Z", with an optional fraction
+/// (ignored) or offset (+01:00), or the day alone (midnight). No value if the text is not a valid date.
 [[nodiscard]] std::optional<std::int64_t> utc_seconds(std::string_view text);
-/// "2026-11-22T10:27:37Z".
+/// Formats a time as "2026-11-22T10:27:37Z".
 [[nodiscard]] std::string utc_text(std::int64_t seconds);
 
 }  // namespace octant

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Eight doubles side by side, or as many of them as the machine's vectors hold, so that kernels read as the
-// algebra that they do. For sources that Highway compiles once for each instruction set (foreach_target.h);
-// only rooms that link Highway may include it, nothing of models does.
+// Vectors of up to eight doubles, as many as the machine's registers contain, with operators so that kernels
+// read like algebra. For sources that Highway compiles once for each instruction set (foreach_target.h). Only
+// modules that link Highway may include it; models itself does not.
 //
-// A product that is added or subtracted is fused with that: a * b + c rounds once. Of two products the left
-// one of a sum is fused, and the right one of a difference. V(a * b) rounds by itself.
+// A product that is added or subtracted is fused: a * b + c rounds once. With two products, the left one of a
+// sum and the right one of a difference are fused. V(a * b) rounds by itself.
 #if defined(OCTANT_MODELS_SUPPORT_VECTOR_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef OCTANT_MODELS_SUPPORT_VECTOR_INL_H_
 #undef OCTANT_MODELS_SUPPORT_VECTOR_INL_H_
@@ -28,17 +28,17 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Doubles = hn::CappedTag<double, 8>;
 
-/// How many lanes are worked on at once: 1 to 8.
+/// Number of lanes of a vector: 1 to 8.
 HWY_INLINE std::size_t lanes_at_once() { return hn::Lanes(Doubles()); }
 
-/// A truth for each lane.
+/// One boolean for each lane.
 struct Mask {
   hn::Mask<Doubles> raw;
 };
 
 struct Product;
 
-/// A number for each lane; a plain number is the same in all of them.
+/// One number for each lane; a scalar converts to equal lanes.
 struct Vector {
   hn::Vec<Doubles> raw;
   Vector() = default;
@@ -47,7 +47,7 @@ struct Vector {
   HWY_INLINE Vector(Product p);
 };
 
-/// A product that waits for what it is added to.
+/// A product that has not been rounded yet, so that an addition can be fused with it.
 struct Product {
   Vector a, b;
 };
@@ -98,10 +98,10 @@ HWY_INLINE Vector exp(Vector v) { return hn::Exp(Doubles(), v.raw); }
 HWY_INLINE Vector log1p(Vector v) { return hn::Log1p(Doubles(), v.raw); }
 HWY_INLINE double sum_of_lanes(Vector v) { return hn::GetLane(hn::SumOfLanes(Doubles(), v.raw)); }
 
-// Blocks side by side, one in each lane: SmallCholesky<N, Vector>.
+// Blocks with one matrix in each lane: SmallCholesky<N, Vector>.
 #include "models/support/small_cholesky.inc"
 
-/// Adds up the lanes of four vectors, each onto its own sum.
+/// Adds the lanes of each of four vectors to its sum.
 HWY_INLINE void add_lanes(Vector a, Vector b, Vector c, Vector e, double* sums) {
 #if HWY_MAX_BYTES >= 32
   const hn::CappedTag<double, 4> d4;
@@ -121,7 +121,7 @@ HWY_INLINE void add_lanes(Vector a, Vector b, Vector c, Vector e, double* sums) 
 #endif
 }
 
-/// From and to a place that is aligned as whole vectors are, or to a number's size only.
+/// Load from and store to memory with the alignment of a vector, or of a double only.
 HWY_INLINE Vector load(const double* from) { return hn::Load(Doubles(), from); }
 HWY_INLINE void store(Vector v, double* to) { hn::Store(v.raw, Doubles(), to); }
 HWY_INLINE Vector load_unaligned(const double* from) { return hn::LoadU(Doubles(), from); }
