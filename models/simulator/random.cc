@@ -7,7 +7,7 @@
 
 namespace octant {
 
-// Finalizer of splitmix64: neighbouring seeds must not give similar states.
+// Finalizer of splitmix64, so that neighbouring seeds give unrelated states.
 std::uint64_t Random::mix(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
   x = (x ^ (x >> 27)) * 0x94d049bb133111ebULL;
@@ -22,7 +22,8 @@ double Random::log_uniform(double low, double high) {
   return low * std::exp(uniform() * std::log(high / low));
 }
 
-// Box and Muller 1958; the second value is dropped so that a draw never depends on how many came before it.
+// Box and Muller 1958. The second value is discarded, so that a draw never depends on the number of draws
+// before it.
 double Random::normal() {
   const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
   return radius * std::cos(2.0 * M_PI * uniform());

@@ -9,12 +9,11 @@
 
 namespace octant {
 
-/// Random draws that are the same with every standard library: the engine's output is specified by the
-/// standard, that of std::normal_distribution and its kin is not.
+/// Random numbers that are identical with every standard library. The standard specifies the output of the
+/// engine, but not that of std::normal_distribution and the other distributions.
 class Random {
  public:
-  /// Streams of one seed are independent of each other, so that a change in one part of a world leaves the
-  /// others alone.
+  /// Streams of one seed are independent, so a change in one part of a world leaves the others unchanged.
   explicit Random(std::uint64_t seed, std::uint64_t stream = 0)
       : engine_(mix(seed + 0x9e3779b97f4a7c15ULL * (stream + 1))) {}
 

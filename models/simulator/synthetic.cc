@@ -17,18 +17,18 @@ namespace octant {
 namespace {
 
 constexpr double kFiringPhase =
-    0.26;  // of a slot, so that a drive's firings are not in step with its odometry
-constexpr double kAudible =
-    1.05;  // a crossing at the very threshold would come infinitely late; real pulses end before
+    0.26;  // phase of the firings within a slot, out of step with the odometry of a drive
+constexpr double kAudible = 1.05;  // smallest ratio of amplitude to threshold; a crossing at the threshold
+                                   // itself would be infinitely late
 
-/// The nearest whole number of quanta. Divides where it can, so that the result prints as the decimal that
-/// people expect.
+/// Rounds to a whole number of quanta. Divides by the tick rate if that is an integer, so that the result
+/// prints as a short decimal.
 double counted(double tof_s, double quantum_s) {
   const double ticks = std::round(tof_s / quantum_s), ticks_per_s = std::round(1 / quantum_s);
   return std::abs(ticks_per_s * quantum_s - 1) < 1e-12 ? ticks / ticks_per_s : ticks * quantum_s;
 }
 
-/// One firing of a beacon and what is common to all receivers that hear it.
+/// One firing of a beacon, and the properties common to all receivers.
 struct Shot {
   BeaconId beacon;
   double fired_s = 0.0;
@@ -37,7 +37,7 @@ struct Shot {
   double cycle_offset_s = 0.0;
   double cycle_began_s = 0.0;
   bool shadowed = false;  ///< the direct path is blocked for the whole epoch
-  double detour_s = 0.0;  ///< of the path round the obstacle
+  double detour_s = 0.0;  ///< additional time of the path around the obstacle
 };
 
 class Recorder {
@@ -49,7 +49,8 @@ class Recorder {
         draws_(draws),
         path_(make_path(scenario, path, draws_)) {}
 
-  /// @param sensor_draws  stream of bearings and scans, so that arrivals are the same with and without them
+  /// @param sensor_draws  separate stream for bearings and scans, so that arrivals are the same with and
+  /// without them
   MeasurementLog record(std::vector<double>& lateness_s, Random sensor_draws);
 
  private:
@@ -65,7 +66,7 @@ class Recorder {
   [[nodiscard]] double temperature(double progress) const {
     return scenario_.site.medium.temperature_degC + scenario_.warming_degC * (progress - 0.5);
   }
-  /// Whether a beacon is shadowed, and by how much its path is then longer.
+  /// Draws whether a beacon is shadowed, and the detour of its path.
   void draw_shadow(Shot& shot) {
     shot.shadowed = draws_.uniform() < scenario_.echo_fraction / 2;
     shot.detour_s = draws_.log_uniform(scenario_.echo_delay_s[0], scenario_.echo_delay_s[1]);
@@ -80,8 +81,7 @@ class Recorder {
   std::vector<double> lateness_s_;
 };
 
-/// Noise-free time of flight; in a drive the vehicle moves on while the signal is under way, hence the fixed
-/// point.
+/// Noise-free time of flight. The vehicle moves while the signal travels, hence the fixed-point iteration.
 PathOutput Recorder::flight(const Shot& shot, ReceiverId receiver) const {
   const Timing& timing = scenario_.site.timing;
   const bool two_way = timing.ranging == Ranging::kTwoWay;
@@ -91,7 +91,7 @@ PathOutput Recorder::flight(const Shot& shot, ReceiverId receiver) const {
   if (two_way) input.delay_s += timing.turnaround_s;
   const Pose sent = path_.at(shot.fired_s);
   PathOutput out;
-  for (int i = 0; i < 20; ++i) {  // contracts by vehicle speed over signal speed
+  for (int i = 0; i < 20; ++i) {  // contraction factor: ratio of vehicle speed to signal speed
     const double before_s = out.tof_s;
     const Pose heard = path_.at(shot.fired_s + before_s);
     const Pose T_hear_send = heard.inverse() * sent;
@@ -121,12 +121,13 @@ bool Recorder::hears(const Shot& shot, ReceiverId receiver, const Pose& T_map_ve
          cosine > std::cos(scenario_.hearing_half_angle_rad);
 }
 
-/// How late an arrival is through an echo, or how early through a spurious signal. Always takes the same
-/// number of draws, so that the same world with and without echoes has the same noise.
+/// Lateness of an arrival due to an echo, or earliness of a spurious one. Uses the same number of draws in
+/// any case, so that worlds with and without echoes share their noise.
 double Recorder::lateness(const Shot& shot, double tof_s) {
   const double half = scenario_.echo_fraction / 2;
   const bool echo =
-      draws_.uniform() < half / (1 - half);  // of those not shadowed, so that both kinds are equally many
+      draws_.uniform() <
+      half / (1 - half);  // among arrivals that are not shadowed, so that both kinds are equally frequent
   const double detour_s = draws_.log_uniform(scenario_.echo_delay_s[0], scenario_.echo_delay_s[1]);
   const bool early = draws_.uniform() < scenario_.early_fraction;
   const double part = draws_.uniform(0.3, 0.95);
@@ -156,14 +157,14 @@ void Recorder::record_arrival(const Shot& shot, ReceiverId receiver) {
         std::min(std::exp(direct.log_amplitude) * (1 + noise.amplitude_relative_sigma * meter),
                  truth_.attenuation->saturation_v);
   if (scenario_.warming_degC != 0) arrival.temperature_degC = shot.temperature_degC;
-  // A drive's last arrivals have no odometry any more.
+  // The last arrivals of a drive have no odometry and are dropped.
   if (path_.moving && arrival.time_s > path_.end_s() - spec_.odometry_period_s) return;
   log_.arrivals.push_back(arrival);
   lateness_s_.push_back(late_s);
 }
 
 void Recorder::record_shot(const Shot& shot) {
-  if (!scenario_.site.tof_sigma_given) return;  // bearings or scans alone
+  if (!scenario_.site.tof_sigma_given) return;  // the site has bearings or scans only
   const Pose T_map_vehicle = path_.at(shot.fired_s);
   const SiteVehicle& vehicle = scenario_.site.vehicles[0];
   for (std::size_t r = vehicle.first_receiver; r < vehicle.first_receiver + vehicle.receiver_count; ++r) {
@@ -207,7 +208,7 @@ void Recorder::record_stops() {
       shot.fired_s = start_s + spec_.slot_s * static_cast<double>(i);
       record_shot(shot);
     }
-    const Pose survey = measured(stop);  // one set-up a stop: one error
+    const Pose survey = measured(stop);  // constant error during a stop
     for (int i = 0; i < samples; ++i) {
       const double time_s = to_microsecond(start_s + i * kTruthPeriod_s);
       log_.truth.push_back({time_s, stop});
@@ -283,7 +284,7 @@ MeasurementLog Recorder::record(std::vector<double>& lateness_s, Random sensor_d
   lateness_s.clear();
   for (const std::size_t i : order) {
     sorted.push_back(log_.arrivals[i]);
-    sorted.back().line = static_cast<int>(sorted.size()) + 1;  // below the header
+    sorted.back().line = static_cast<int>(sorted.size()) + 1;  // line below the header
     lateness_s.push_back(lateness_s_[i]);
   }
   log_.arrivals = std::move(sorted);

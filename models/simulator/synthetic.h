@@ -13,24 +13,24 @@
 
 namespace octant {
 
-/// A simulated world: the site as people would know it, both recordings with truth, and the true deployment.
+/// A simulated world: the site as its users know it, both recordings with truth, and the true deployment.
 struct World {
-  Site site;               ///< approximate positions: truth plus noise of the stated sigmas
+  Site site;               ///< approximate positions: truth plus noise of the given sigmas
   MeasurementLog run;      ///< for calibration
   MeasurementLog heldout;  ///< for verification
-  /// How late each arrival is through an echo; negative: spurious early; 0: direct [s].
+  /// Lateness of each arrival due to an echo; negative: spurious early arrival; 0: direct path [s].
   std::vector<double> run_lateness_s, heldout_lateness_s;
   Deployment truth;  ///< true values, covariance zero (no joint covariance), created 1970-01-01
 };
 
-/// kBadInput, naming the key, where a scenario contradicts itself. simulate() begins with it.
+/// Returns kBadInput with the key of an inconsistent value. Called first by simulate().
 [[nodiscard]] Result<void> check_scenario(const Scenario& scenario);
 
-/// Simulates a scenario; the same world for a seed everywhere. A site without noise.tof_sigma_s has no
-/// arrivals (bearings or scans alone). Errors: those of check_scenario. time_s of an arrival is the instant
-/// of hearing, echo included; a drive's arrival belongs to the pose at that instant (two-way ranging: the
-/// vehicle asks in the beacon's slot and hears the reply at time_s). Truth is exact, every 50 ms of each stop
-/// or at the odometry rows of a drive. A stop's measured pose keeps its one error for the whole stop.
+/// Simulates a scenario. A seed gives the same world on every platform. A site without noise.tof_sigma_s has
+/// no arrivals, only bearings or scans. The time_s of an arrival is the time of reception, echo included, and
+/// its pose is that of the vehicle at this time. With two-way ranging the request is sent in the beacon's
+/// slot. Truth is exact, every 50 ms of each stop or at the odometry rows of a drive. The error of a measured
+/// pose is constant during a stop. Errors are those of check_scenario.
 [[nodiscard]] Result<World> simulate(const Scenario& scenario, std::uint64_t seed);
 
 }  // namespace octant

@@ -9,18 +9,19 @@ namespace octant {
 namespace {
 
 constexpr double kStart_s = 10.0;
-constexpr double kSample_s = 0.005;  // of a drive: 3 mm at 0.6 m/s, 1 micrometre off its arc between samples
-constexpr double kTilt_rad = 0.05;   // spatial motion only
+constexpr double kSample_s =
+    0.005;  // of a drive: 3 mm at 0.6 m/s; deviation from the arc between samples is 1 micrometre
+constexpr double kTilt_rad = 0.05;  // spatial motion only
 constexpr double kHeave_m = 0.1;
 constexpr double kHeadingScatter_rad =
-    0.3;  // of stops, so that headings and places are not tied to each other
+    0.3;  // turns between stops, so that heading and position are not correlated
 
 using Point = Eigen::Vector2d;
 
 std::vector<Pose> lissajous_stops(const Scenario& scenario, int epochs, Random& draws) {
   const Point hall(scenario.hall_m[0], scenario.hall_m[1]);
   const Point reach = hall / 2 - Point::Constant(0.1 * hall.minCoeff());
-  // One draw a statement, here and elsewhere: in which order a call's arguments are drawn differs between
+  // One draw for each statement, here and elsewhere: the order of evaluation of arguments differs between
   // compilers.
   const double phase_y = draws.uniform(0, 2 * M_PI), phase_x = draws.uniform(0, 2 * M_PI);
   const Point phase(phase_x, phase_y);
@@ -66,7 +67,7 @@ std::vector<Pose> given_stops(const std::vector<Eigen::Vector3d>& stations, int 
   return stops;
 }
 
-/// From goal to goal at constant speed, steering towards the goal at a limited turn rate.
+/// Drives from goal to goal at constant speed, steering towards the goal with a limited turn rate.
 std::vector<Pose> drive(const Scenario& scenario, const Scenario::Path& path, Random& draws) {
   std::size_t next = 0;
   const auto goal = [&]() -> Point {
@@ -78,7 +79,7 @@ std::vector<Pose> drive(const Scenario& scenario, const Scenario::Path& path, Ra
     }
     return p;
   };
-  // A goal closer than the turning circle could be orbited for ever.
+  // The vehicle would orbit a goal inside its turning circle forever.
   const double reached_m = 2.1 * path.speed_mps / path.turn_rate_rad_per_s;
   Point p = goal();
   Point target = goal();
@@ -104,7 +105,7 @@ void tilt(Pose& pose, double roll, double pitch, double heave) {
 
 void make_spatial(TruePath& path, Random& draws) {
   for (std::size_t i = 0; i < path.poses.size(); ++i) {
-    if (path.moving) {  // slow swaying, smooth enough to interpolate
+    if (path.moving) {  // slow swaying that can be interpolated
       const double a = 2 * M_PI * path.period_s * static_cast<double>(i);
       tilt(path.poses[i], std::sin(0.31 * a), std::sin(0.23 * a), std::sin(0.11 * a));
     } else {

@@ -11,23 +11,23 @@
 
 namespace octant {
 
-/// As clocks of recordings tell it.
+/// Rounds a time to the resolution of clocks in recordings.
 [[nodiscard]] inline double to_microsecond(double time_s) { return std::round(time_s * 1e6) / 1e6; }
 
-/// Where the simulated vehicle truly is: at rest, one pose an epoch, or under way, sampled finely.
+/// True path of the simulated vehicle: one pose for each epoch, or finely sampled for a drive.
 struct TruePath {
   bool moving = false;
   double start_s = 0.0;
-  double period_s = 1.0;  ///< from one epoch, or one sample of a drive, to the next
+  double period_s = 1.0;  ///< time between epochs, or between samples of a drive
   std::vector<Pose> poses;
 
-  /// Pose at a time: that of its epoch, or between the samples of a drive.
+  /// Pose at a time: that of its epoch, or interpolated between the samples of a drive.
   [[nodiscard]] Pose at(double time_s) const;
-  /// End of a drive.
+  /// Time of the end of a drive.
   [[nodiscard]] double end_s() const { return start_s + period_s * static_cast<double>(poses.size() - 1); }
 };
 
-/// The path of a run. Spatial motion adds a little tilt and heave to the planar one.
+/// Generates the path of a run. Spatial motion adds small tilt and heave to the planar path.
 [[nodiscard]] TruePath make_path(const Scenario& scenario, const Scenario::Path& path, Random& draws);
 
 }  // namespace octant

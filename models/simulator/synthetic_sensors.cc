@@ -14,7 +14,7 @@
 namespace octant {
 namespace {
 
-/// When a sensor works: once at the start of each stop, or every period of a drive.
+/// Instants of measurement: the start of each stop, or periodic along a drive.
 struct Instant {
   double time_s = 0.0;
   std::int64_t epoch = kNoEpoch;
@@ -37,7 +37,7 @@ void record_bearings(const Scenario& scenario, const std::vector<Instant>& times
   for (const Instant& now : times) {
     const Pose T = path.at(now.time_s);
     for (std::size_t b = 0; b < truth.beacon_p_map_m.size(); ++b) {
-      // Every reflector takes its draws, seen or not.
+      // Draws for every reflector, visible or not, so that streams stay aligned.
       const double noise = draws.normal(), label = draws.uniform();
       const Eigen::Vector3d& p = truth.beacon_p_map_m[b];
       if ((p - T.translation_m).head<2>().norm() > spec.range_m) continue;
@@ -49,7 +49,7 @@ void record_bearings(const Scenario& scenario, const std::vector<Instant>& times
       bearing.bearing_rad = wrap_angle(true_rad + scenario.site.noise.bearing_sigma_rad * noise);
       if (label >= spec.unlabelled_fraction) bearing.reflector = BeaconId(b);
       log.bearings.push_back(bearing);
-      log.bearings.back().line = static_cast<int>(log.bearings.size()) + 1;  // below the header
+      log.bearings.back().line = static_cast<int>(log.bearings.size()) + 1;  // line below the header
     }
   }
 }
@@ -82,7 +82,7 @@ void record_scans(const Scenario& scenario, const std::vector<Instant>& times, c
       const double range = range_to_wall(scenario, T.translation_m.head<2>(), direction_of(angle));
       const double measured = range + scenario.site.noise.range_sigma_m * draws.normal();
       const bool is_seen = range < spec.range_max_m && measured > 0;
-      // Millimetres, as scanners report them.
+      // Rounded to millimetres, like real scanners.
       scan.range_m.push_back(is_seen ? std::round(measured * 1000) / 1000
                                      : std::numeric_limits<double>::quiet_NaN());
     }

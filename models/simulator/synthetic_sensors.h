@@ -11,14 +11,12 @@
 
 namespace octant {
 
-/// Adds bearings to reflectors and laser scans to a recorded run, as the scenario asks for; nothing where it
-/// does not. Both come once a stop, at its start, or at their period along a drive. `draws` is a stream of
-/// its own: what else the run holds stays.
+/// Adds the bearings and laser scans of the scenario to a recorded run, at the start of each stop or
+/// periodically along a drive. `draws` is a separate stream, so the other contents of the run do not change.
 void record_sensors(const Scenario& scenario, const Scenario::Path& spec, const TruePath& path,
                     const SharedState& truth, Random draws, MeasurementLog& log);
 
-/// kBadInput where walls, bearings or scans contradict themselves; the part of check_scenario that concerns
-/// them.
+/// Returns kBadInput for inconsistent walls, bearings or scans. Part of check_scenario.
 [[nodiscard]] Result<void> check_sensors(const Scenario& scenario);
 
 }  // namespace octant

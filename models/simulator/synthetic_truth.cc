@@ -68,7 +68,7 @@ double dwell_s(const Scenario& scenario, const Scenario::Path& path) {
   const double flight_s = legs * scenario.range_m / speed_mps(scenario.site.medium) + timing.turnaround_s;
   const double late_s = scenario.echo_fraction > 0 ? scenario.echo_delay_s[1] : 0.0;
   const double firings = static_cast<double>(scenario.site.beacons.size()) * path.rounds;
-  // One slot more than the firings for what delays and time-walk add.
+  // One additional slot covers delays and time-walk.
   return kTruthPeriod_s * std::ceil((path.slot_s * (firings + 1) + flight_s + late_s) / kTruthPeriod_s);
 }
 
@@ -106,7 +106,7 @@ Result<void> check_scenario(const Scenario& scenario) {
 
 namespace {
 
-/// A vehicle's receivers as one piece, somewhat wider and turned.
+/// Scales and turns the receivers of a vehicle as a whole.
 void shape_array(const Site& site, std::size_t vehicle, Random& draws, SharedState& truth) {
   const SiteVehicle& v = site.vehicles[vehicle];
   const double wider_m = v.array->radius_sigma_m * draws.clipped_normal(),
@@ -124,7 +124,7 @@ void shape_array(const Site& site, std::size_t vehicle, Random& draws, SharedSta
 SharedState draw_truth(const Scenario& scenario, Random& draws) {
   const Site& site = scenario.site;
   const Timing& timing = site.timing;
-  // The prior mean stands once, on the first kind of delay in use (as in prior_state); further kinds scatter
+  // The prior mean is assigned to the first kind of delay in use (as in prior_state); further kinds scatter
   // about zero.
   const DelayPer& per = timing.delay_per;
   const auto delay = [&](bool is_unknown, bool is_first) {
@@ -159,7 +159,7 @@ SharedState draw_truth(const Scenario& scenario, Random& draws) {
         .rise_time_s = std::max(0.0, draw(site.attenuation->rise_time_s, draws)),
         .saturation_v = site.attenuation->saturation_v};
     if (site.attenuation->half_power_angle_rad.value >
-        0)  // no draw where there is none: worlds stay what they were
+        0)  // no draw without a gain, so that existing worlds do not change
       truth.attenuation->half_power_angle_rad =
           std::clamp(draw(site.attenuation->half_power_angle_rad, draws), kLeastHalfPowerAngle_rad,
                      kMostHalfPowerAngle_rad);
@@ -204,8 +204,7 @@ Deployment true_deployment(const Scenario& scenario, const SharedState& truth, s
   const Site& site = scenario.site;
   Deployment d;
   d.site = site.name;
-  d.created =
-      "1970-01-01T00:00:00Z";  // a simulated truth has no date, and must not differ from one call to the next
+  d.created = "1970-01-01T00:00:00Z";  // fixed date, so that a simulated truth is reproducible
   d.motion = site.motion;
   d.datum = {.description = "Simulated truth.",
              .position = "truth",

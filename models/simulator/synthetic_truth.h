@@ -9,19 +9,19 @@
 
 namespace octant {
 
-/// The true values of everything that calibration solves for.
+/// Draws the true values of everything that calibration estimates.
 [[nodiscard]] SharedState draw_truth(const Scenario& scenario, Random& draws);
 
-/// The site as people know it: approximate beacons, nominal receivers, taped distances.
+/// The site as its users know it: approximate beacons, nominal receivers, measured distances.
 [[nodiscard]] Site known_site(const Scenario& scenario, const SharedState& truth, Random& draws);
 
-/// The deployment that a perfect calibration would write.
+/// The deployment that a perfect calibration would produce.
 [[nodiscard]] Deployment true_deployment(const Scenario& scenario, const SharedState& truth,
                                          std::size_t arrivals);
 
-inline constexpr double kTruthPeriod_s = 0.05;  ///< of stops
+inline constexpr double kTruthPeriod_s = 0.05;  ///< sampling period of the truth during stops
 
-/// Longest time for which a stop's arrivals may keep coming, from the start of its epoch, in whole
+/// Upper bound on the time from the start of an epoch to the last arrival of its stop, rounded up to
 /// kTruthPeriod_s [s].
 [[nodiscard]] double dwell_s(const Scenario& scenario, const Scenario::Path& path);
 

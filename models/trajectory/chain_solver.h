@@ -14,8 +14,8 @@
 
 namespace octant {
 
-/// Normal equations of the states of a segment, shared parameters held: block-tridiagonal with blocks of a
-/// size known to the compiler; diagonal blocks D, coupling U to the next state, gradient g.
+/// Normal equations of the states of a segment for fixed shared parameters. They are block-tridiagonal with
+/// blocks of fixed size: diagonal blocks D, coupling U to the next state, gradient g.
 template <int N>
 struct FixedChainSystem {
   using Block = Eigen::Matrix<double, N, N>;
@@ -24,7 +24,7 @@ struct FixedChainSystem {
   std::pmr::vector<Block> D{scratch()}, U{scratch()};
   std::pmr::vector<Vector> g{scratch()};
 
-  /// For so many states, whose blocks are still to be cleared.
+  /// Resizes for a number of states. The blocks still have to be cleared.
   void resize(std::size_t count) {
     cost = 0.0;
     D.resize(count);
@@ -40,17 +40,18 @@ struct FixedChainSystem {
   }
 };
 
-/// Solves such a system where it stands: of its blocks the factors take the place, so that a long drive holds
-/// them once. It is eliminated from both ends to the middle, where it is long by a thread on each half: no
-/// more work than from one end, and the same step however many threads.
+/// Solves such a system in place: the factors overwrite the blocks, so a long drive stores them only once.
+/// States are eliminated from both ends towards the middle, in two threads if the chain is long. This costs
+/// no more than elimination from one end, and the step does not depend on the number of threads.
 template <int N>
 class FixedChainStep {
  public:
   using Block = Eigen::Matrix<double, N, N>;
   using Vector = Eigen::Matrix<double, N, 1>;
 
-  /// Solves (D + lambda diag D) step = -g; false if that is not positive definite. Cost and gradient of the
-  /// system stay, its blocks do not.
+  /// Solves (D + lambda diag D) step = -g. Cost and gradient of the system are kept, its blocks are
+  /// overwritten.
+  /// @return false if the matrix is not positive definite
   bool solve(FixedChainSystem<N>& system, double lambda, int threads = 1) {
     const std::size_t count = system.D.size(), middle = count > kFromBothEnds ? count / 2 : count - 1;
     const std::size_t halves = middle + 1 < count ? 2 : 1;
@@ -76,7 +77,7 @@ class FixedChainStep {
     return true;
   }
   [[nodiscard]] const std::pmr::vector<Vector>& step() const { return step_; }
-  /// Half the Newton decrement: what a quadratic cost would lose by the step.
+  /// Half the Newton decrement: decrease of a quadratic cost by the step.
   [[nodiscard]] double gain(const FixedChainSystem<N>& system) const {
     double sum = 0.0;
     for (std::size_t k = 0; k < step_.size(); ++k) sum -= 0.5 * system.g[k].dot(step_[k]);
@@ -84,9 +85,10 @@ class FixedChainStep {
   }
 
  private:
-  static constexpr std::size_t kFromBothEnds = 512;  ///< states; of fewer a thread costs more than it saves
+  static constexpr std::size_t kFromBothEnds =
+      512;  ///< shortest chain, in states, for which a second thread pays off
 
-  /// What eliminated states take from the block and the right-hand side of the one behind them.
+  /// Contribution of eliminated states to the block and right-hand side of their neighbour.
   struct Passed {
     Block D = Block::Zero();
     Vector rhs = Vector::Zero();
@@ -98,10 +100,10 @@ class FixedChainStep {
     }
   };
 
-  /// Of a state; its step is L^-1 rhs then.
+  /// Factors a state's block; its right-hand side then becomes L^-1 rhs.
   bool factor(std::size_t k, const Passed& passed, SmallCholesky<N>& L) {
     const Block& D = system_->D[k];
-    // The floor keeps a direction that nothing observes (the heading of a single antenna) where it is.
+    // The floor keeps an unobserved direction unchanged, such as the heading of a single antenna.
     const double floor = kStepFloor * (1.0 + D.diagonal().maxCoeff());
     Block A = D - passed.D;
     for (int i = 0; i < N; ++i) A(i, i) += lambda_ * D(i, i) + floor;
@@ -110,14 +112,14 @@ class FixedChainStep {
     L.forward(step_[k]);
     return true;
   }
-  /// The states from `first` up to the middle.
+  /// Eliminates the states from `first` up to the middle.
   Passed eliminate(std::size_t first, std::size_t middle, bool forth) {
     Passed passed;
     SmallCholesky<N> L;
     for (std::size_t k = first; k != middle; forth ? ++k : --k) {
       passed.is_definite = factor(k, passed, L);
       if (!passed.is_definite) break;
-      // Y = (L^-1 U)' column by column, each a vector of its own, in the place of U.
+      // Y = (L^-1 U)', column by column, stored in place of U.
       Block& Y = system_->U[forth ? k : k - 1];
       if (forth) Y.transposeInPlace();
       for (int i = 0; i < N; ++i) {

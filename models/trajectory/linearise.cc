@@ -15,10 +15,10 @@ Pose pose_at(const Trajectory& t, std::size_t node, double alpha) {
 
 namespace {
 
-/// Whether a pose between two nodes follows them in proportion.
+/// Returns true if a pose between two nodes depends on them linearly.
 bool is_linear(const Trajectory& t, double alpha) { return t.motion == Motion::kPlanar || alpha == 0.0; }
 
-/// Spreads a derivative by the pose at an instant over the two nodes.
+/// Distributes a derivative by the pose at an instant to the two nodes.
 void spread(const Trajectory& t, const InstantPose& at, const Eigen::Matrix<double, 1, 6>& by_pose,
             ObservationRow& row) {
   const int dof = pose_dof(t.motion), block = t.block_size();
@@ -141,7 +141,7 @@ int bearing_rows(const Trajectory& t, std::size_t index, const SharedState& stat
 
 namespace {
 
-/// Begins a row that hangs on states alone.
+/// Begins a row that depends on states only.
 ObservationRow& begin_row(RowKind kind, std::size_t index, std::size_t node, bool has_next, double residual,
                           int block, ObservationRow& row) {
   row.kind = kind;
@@ -236,8 +236,8 @@ int odometry_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) 
   return count;
 }
 
-/// White-noise acceleration (Bar-Shalom, Li and Kirubarajan 2001, section 6.2): with q its density, over a
-/// step of length h
+/// White-noise acceleration (Bar-Shalom, Li and Kirubarajan 2001, section 6.2). With its density q, over a
+/// step of length h,
 ///   Q = q [h^3/3 h^2/2; h^2/2 h]; rows are whitened by Q = L L', L = sqrt(q) [sqrt(h^3/3) 0; sqrt(3 h)/2
 ///   sqrt(h)/2].
 int motion_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) {
@@ -249,7 +249,8 @@ int motion_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) {
   const auto add = [&](double residual) -> ObservationRow& {
     return begin_row(RowKind::kMotion, index, m.node, m.step_s > 0, residual, block, rows[count++]);
   };
-  // Where nothing tells the heading it is somewhere on the circle; no residual: no direction is preferred.
+  // Prior of an unknown heading: uniform on the circle. The residual is zero, because no direction is
+  // preferred.
   if (m.step_s <= 0) add(0.0).by_node[2] = 1.0 / std::numbers::pi;
   for (int i = 0; i < 3; ++i) {
     const bool turn = i == 2;
@@ -264,7 +265,7 @@ int motion_rows(const Trajectory& t, std::size_t index, ObservationRow* rows) {
     const double moved = turn ? wrap_angle(B.T_map_vehicle.heading_rad() - A.T_map_vehicle.heading_rad())
                               : B.T_map_vehicle.translation_m[i] - A.T_map_vehicle.translation_m[i];
     const double misfit =
-        h * A.velocity[i] - moved;  // predicted less the state, so that the residual is observed - predicted
+        h * A.velocity[i] - moved;  // predicted minus state, so that the residual is observed minus predicted
     const double change = A.velocity[i] - B.velocity[i];
     const double a = std::sqrt(3 / (h * h * h)) / root_q;  // L^-1 = [a 0; -b c]
     const double c = 2 / (std::sqrt(h) * root_q), b = c * 3 / (2 * h);
@@ -316,7 +317,7 @@ double chain_cost(const Trajectory& t, const Segment& segment, const SharedState
 
 namespace {
 
-/// What most arrivals are, of which long logs have many: the first term of the measurement equation.
+/// Fast path for plain arrivals, the most frequent kind: the first term of the measurement equation.
 double plain_residual(const ArrivalObservation& a, const Eigen::Vector3d& p_receiver_map_m,
                       const SharedState& state, double speed_offset_mps) {
   const double distance_m = (p_receiver_map_m - state.beacon_p_map_m[a.beacon.index()]).norm();

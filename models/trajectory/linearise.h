@@ -23,21 +23,21 @@ using NodeBlock =
 
 enum class RowKind { kTof, kAmplitude, kBearing, kPose, kOdometry, kMotion };
 
-/// One scalar observation, whitened: residual = (observed - predicted) / sigma and its derivatives by the
-/// states it touches and by the shared parameters. Blocks that do not apply are zero and flagged.
+/// One scalar observation, whitened: residual = (observed - predicted) / sigma, with its derivatives by the
+/// states it depends on and by the shared parameters. Blocks that do not apply are zero and flagged.
 struct ObservationRow {
   RowKind kind = RowKind::kTof;
-  std::size_t index = 0;  ///< into the trajectory's list of its kind
+  std::size_t index = 0;  ///< index into the trajectory's list of its kind
   double residual = 0.0;
   std::size_t node = 0;
-  bool has_next = false;  ///< touches node + 1 too
+  bool has_next = false;  ///< true if it depends on node + 1 too
   NodeRow by_node, by_next;
   bool has_shared = false;
   BeaconId beacon;
   ReceiverId receiver;
   Eigen::RowVector3d by_beacon, by_receiver;  ///< per metre
   AttenuationRow by_attenuation;              ///< per unit
-  /// By kByDelay and the numbers behind it, per SI unit of each.
+  /// Derivatives by the parameters from kByDelay on, per SI unit.
   std::array<double, kPathNumbers - kByDelay> by_time_alone{};
 
   [[nodiscard]] double by(PathNumber what) const { return by_time_alone[what - kByDelay]; }
@@ -47,15 +47,16 @@ struct ObservationRow {
 /// Pose at an observation between node and node + 1.
 [[nodiscard]] Pose pose_at(const Trajectory& trajectory, std::size_t node, double alpha);
 
-/// Where a vehicle is at an instant between two nodes, and how that follows them. Kept from one observation
-/// to the next while no node moves: those of one step of odometry share what that turns by.
+/// Pose at an instant between two nodes and its derivatives by both. Reuse it for consecutive observations
+/// while no node moves: observations within one odometry step share the rotation of that step.
 class InstantPose {
  public:
   void set(const Trajectory& trajectory, std::size_t node, double alpha);
 
   double alpha = 0.0;
   Pose T_map_vehicle;
-  /// Derivative of its turn by that of either node, in space; elsewhere the pose follows in proportion.
+  /// Derivative of the rotation by that of either node, in space; in the plane the pose depends on both nodes
+  /// linearly.
   Eigen::Matrix3d turn_by_node, turn_by_next;
 
  private:
@@ -64,8 +65,8 @@ class InstantPose {
   Eigen::Matrix3d by_a_, by_b_;  ///< Jr^-1(-phi), Jr^-1(phi): d phi = by_b db - by_a da
 };
 
-/// arrival_residual() of many arrivals, of which those of a state come one after the other and share its
-/// rotation. Neither nodes nor the state may move meanwhile.
+/// Computes arrival_residual() for many arrivals. Consecutive arrivals of a state share its rotation. Nodes
+/// and shared state must not change meanwhile.
 class ArrivalResiduals {
  public:
   ArrivalResiduals(const Trajectory& trajectory, const SharedState& state)
@@ -85,10 +86,9 @@ class ArrivalResiduals {
   Eigen::Vector3d p_map_m_;
 };
 
-/// Rows of one observation each; a kind that gives several rows fills several.
-/// rows must have room for 2 (arrival), 1 (bearing), 6 (pose), 6 (odometry), 6 (motion); returns how many
-/// were filled.
-/// @param at  of the arrival before, or none
+/// Fill the whitened rows of one observation and return their number: up to 2 for an arrival, 1 for a
+/// bearing, 6 for a pose, an odometry step or a motion step. `rows` must have room for them.
+/// @param at  instant of the previous arrival, or empty
 int arrival_rows(const Trajectory& trajectory, std::size_t index, const SharedState& state, InstantPose& at,
                  ObservationRow* rows);
 inline int arrival_rows(const Trajectory& trajectory, std::size_t index, const SharedState& state,
@@ -102,8 +102,7 @@ int pose_rows(const Trajectory& trajectory, std::size_t index, ObservationRow* r
 int odometry_rows(const Trajectory& trajectory, std::size_t index, ObservationRow* rows);
 int motion_rows(const Trajectory& trajectory, std::size_t index, ObservationRow* rows);
 
-/// Calls visit(row) for every row of the segment that is in use (rejected arrivals and bearings are left
-/// out).
+/// Calls visit(row) for every row of the segment in use; rejected arrivals and bearings are skipped.
 template <class Visitor>
 void for_each_row(const Trajectory& trajectory, const Segment& segment, const SharedState& state,
                   Visitor&& visit) {
@@ -124,26 +123,26 @@ void for_each_row(const Trajectory& trajectory, const Segment& segment, const Sh
     emit(motion_rows(trajectory, i, rows));
 }
 
-/// Robust loss applies to what is heard and seen, not to odometry and measured poses.
+/// The robust loss applies to arrivals and bearings, not to odometry and measured poses.
 [[nodiscard]] inline bool is_robust(RowKind kind) {
   return kind == RowKind::kTof || kind == RowKind::kAmplitude || kind == RowKind::kBearing;
 }
 
-/// Adds a row's cost and returns its weight.
+/// Adds the cost of a row and returns its weight.
 [[nodiscard]] inline double weigh(const ObservationRow& row, const RobustLoss& loss, double& cost) {
   return (is_robust(row.kind) ? loss : RobustLoss{}).weigh(row.residual, cost);
 }
 
-/// Sum of weighted squares over a segment and its Gauss-Newton system in the states: block-tridiagonal,
-/// diagonal blocks D, coupling U to the next node, gradient g.
+/// Weighted sum of squares of a segment and its Gauss-Newton system in the states. The system is
+/// block-tridiagonal: diagonal blocks D, coupling U to the next node, gradient g.
 struct ChainSystem {
   double cost = 0.0;
   std::pmr::vector<NodeBlock> D{scratch()}, U{scratch()};
   std::pmr::vector<NodeVector> g{scratch()};
 
-  /// Zero, for so many states of n unknowns.
+  /// Resizes and sets to zero for `count` states of n unknowns.
   void clear(std::size_t count, int n);
-  /// @param first_node  whose blocks stand first
+  /// @param first_node  node of the first block
   void add(const ObservationRow& row, std::size_t first_node, const RobustLoss& loss);
 };
 void build_chain_system(const Trajectory& trajectory, const Segment& segment, const SharedState& state,

@@ -63,7 +63,7 @@ class Builder {
     return log_.temperature_degC.value_or(model_.medium.temperature_degC);
   }
 
-  /// Speed of the medium; neighbouring arrivals have one temperature, and the models take their time.
+  /// Speed of the medium. Cached, because neighbouring arrivals share a temperature and the models are slow.
   [[nodiscard]] double speed_at(double temperature_degC) {
     if (temperature_degC != speed_temperature_degC_) {
       speed_temperature_degC_ = temperature_degC;
@@ -72,7 +72,8 @@ class Builder {
     return speed_mps_;
   }
 
-  /// Relative motion between asking and hearing, from odometry or measured poses; none: the vehicle stands.
+  /// Relative motion between request and reception, from odometry or measured poses; identity for a vehicle
+  /// at rest.
   [[nodiscard]] Pose two_way_motion(const Arrival& a) const {
     if (const auto T_hear_send = hear_send_motion(path_, a)) return *T_hear_send;
     Pose hear, send;
@@ -103,7 +104,7 @@ class Builder {
         {node, alpha, index, b.reflector, b.bearing_rad, model_.noise.bearing_sigma_rad, Rejection::kUsed});
   }
 
-  /// Stationary epochs: a node each, in order of time; odometry between neighbours where the run has it.
+  /// One node for each epoch in order of time, linked by odometry where the run has it.
   void build_epochs() {
     if (bearings_.empty() && epochs_rise()) return build_rising_epochs();
     std::map<std::int64_t, std::size_t> node_of;
@@ -120,7 +121,7 @@ class Builder {
     for (const std::size_t i : arrivals_)
       arrivals[node_for(log_.arrivals[i].epoch, log_.arrivals[i].time_s)].push_back(i);
     for (const std::size_t i : bearings_) {
-      // std::vector may have to grow before the element is chosen.
+      // Evaluated first, because node_for() may reallocate the vector.
       const std::size_t node = node_for(log_.bearings[i].epoch, log_.bearings[i].time_s);
       bearings[node].push_back(i);
     }
@@ -133,8 +134,8 @@ class Builder {
     }
   }
 
-  /// The numbers of the epochs rise with time, so that an epoch is where its number is: most logs, and no
-  /// look-up.
+  /// Returns true if epoch numbers increase with time, as in most logs. The look-up of epochs is then
+  /// unnecessary.
   [[nodiscard]] bool epochs_rise() const {
     return std::ranges::is_sorted(arrivals_, [this](std::size_t a, std::size_t b) {
       return log_.arrivals[a].epoch < log_.arrivals[b].epoch;
@@ -157,7 +158,7 @@ class Builder {
     }
   }
 
-  /// Adds the odometry that leads to epoch k; false where there is none.
+  /// Adds the odometry between epochs k - 1 and k; false if there is none.
   bool chained(std::size_t k) {
     if (k == 0 || path_.time_s.empty()) return false;
     OdometryObservation o;
@@ -183,7 +184,7 @@ class Builder {
     }
   }
 
-  /// Nodes at the odometry rows; what happens between two rows belongs to the earlier one, with alpha.
+  /// Nodes at the odometry rows. Observations between two rows belong to the earlier one, with alpha.
   void build_drive() {
     t_.moving = true;
     for (const double time_s : path_.time_s) t_.nodes.push_back({.time_s = time_s, .T_map_vehicle = {}});
@@ -211,8 +212,8 @@ class Builder {
     close_segment(t_.nodes.size());
   }
 
-  /// Nothing but arrivals: a state with a velocity at each instant; after a long silence the prior says
-  /// nothing any more.
+  /// One state with a velocity for each instant of arrivals. After a long silence the prior carries no
+  /// information.
   void build_motion() {
     constexpr double kSameInstant_s = 1e-3;
     t_.moving = true;
@@ -237,7 +238,7 @@ class Builder {
     attach_bearings();
   }
 
-  /// Bearings of the states made so far, by the nearest time.
+  /// Attaches each bearing to the state that is nearest in time.
   void attach_bearings() {
     std::size_t k = 0;
     for (const std::size_t i : bearings_) {
@@ -256,9 +257,8 @@ class Builder {
     }
   }
 
-  /// No epochs, no odometry: each moment is a state of its own, carried by the measured pose of that time.
-  /// Receivers that hear one sound one after the other hear it at one state: the one error of the pose is not
-  /// as many.
+  /// Each moment is a separate state with the measured pose of that time. Receivers that detect the same
+  /// pulse in succession share a state, because the error of the pose is common to them.
   void build_moments() {
     t_.moving = true;
     std::size_t next_bearing = 0;
@@ -289,8 +289,8 @@ class Builder {
     }
   }
 
-  /// An odometry observation that leads to the node has not been added: it would have continued the segment
-  /// before.
+  /// Call before adding the odometry that leads to the node, which would otherwise belong to the previous
+  /// segment.
   void open_segment(std::size_t node) {
     t_.segments.push_back({.first_node = node});
     for_each_list([this](auto list, auto first, auto) { t_.segments.back().*first = (t_.*list).size(); });

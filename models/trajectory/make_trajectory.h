@@ -6,12 +6,13 @@
 
 namespace octant {
 
-/// Builds the states of one vehicle of a run and attaches its observations.
-/// Epochs: one node each (chained by odometry where the run has it); measured poses interpolated at the
-/// epoch's arrivals. No epochs, odometry: nodes at its rows; arrivals and measured poses between them. No
-/// epochs, no odometry, no poses, but a motion prior: a node with a velocity for each instant of arrivals,
-/// tied by the prior. Else: one node for each distinct arrival time, with the measured pose of that time if
-/// there is one.
+/// Builds the states of one vehicle in a run and attaches its observations. The log decides about the states:
+/// - Epochs: one node for each epoch, linked by odometry if the run has it. Measured poses are interpolated
+/// at the epoch's arrivals.
+/// - Odometry without epochs: one node for each row. Arrivals and measured poses lie between nodes.
+/// - Neither of them nor poses, but a motion prior: one node with a velocity for each instant of arrivals,
+/// linked by the prior.
+/// - Otherwise: one node for each distinct arrival time, with the measured pose of that time if there is one.
 [[nodiscard]] Trajectory make_trajectory(const MeasurementLog& log, std::size_t run, VehicleId vehicle,
                                          const TrajectoryModel& model);
 

@@ -7,9 +7,9 @@
 
 namespace octant {
 
-/// Moves a state by a step in its unknowns (Trajectory::block_size() of them): of the pose in its own frame,
-/// of the cycle offset [m at the medium's nominal speed], of the velocity.
-/// @param like  a trajectory of such states
+/// Moves a state by a step in its unknowns (Trajectory::block_size() of them): pose in its own frame, then
+/// cycle offset [m, at the medium's nominal speed] or velocity.
+/// @param like  a trajectory with states of the same kind
 template <class Step>
 void step_node(const Trajectory& like, const Step& step, Node& node) {
   const int dof = pose_dof(like.motion);

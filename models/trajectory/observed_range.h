@@ -8,10 +8,10 @@
 
 namespace octant {
 
-/// Distance, one way, at which an arrival's time of flight is explained by what a state knows, time-walk
-/// included. [m], not positive where the time is shorter than its delays.
-/// @param cycle_offset_s  of the arrival's epoch; unknown: it stays in the range, and so does the walk, as no
-/// amplitude can be predicted
+/// One-way range that explains an arrival's time of flight, given the shared state and its time-walk [m]. Not
+/// positive if the time is shorter than the delays.
+/// @param cycle_offset_s  offset of the arrival's epoch. If unknown, offset and walk remain in the range,
+/// because the amplitude cannot be predicted.
 [[nodiscard]] double observed_range_m(const Trajectory& trajectory, const ArrivalObservation& arrival,
                                       const SharedState& state,
                                       std::optional<double> cycle_offset_s = std::nullopt);

@@ -9,13 +9,13 @@
 
 namespace octant {
 
-/// Variances of an odometry row; of a part of it, in proportion.
+/// Variances of an odometry row. The variance of a part of the row is proportional.
 struct OdometryVariance {
-  double distance_m2 = 0.0;   ///< the same along and across
-  double heading_rad2 = 0.0;  ///< in space, about each axis
+  double distance_m2 = 0.0;   ///< along and across the direction of motion
+  double heading_rad2 = 0.0;  ///< about each axis for spatial motion
 };
 
-/// As `OdometryAccuracy` says for a step of that length and turn.
+/// Noise of OdometryAccuracy for the length and turn of a step.
 [[nodiscard]] inline OdometryVariance variance_of(const OdometryStep& step, const OdometryAccuracy& a) {
   const auto square = [](double x) { return x * x; };
   const double chord_m = std::hypot(step.dx_m, step.dy_m, step.dz_m), d = std::max(chord_m, step.way_m),
@@ -23,7 +23,7 @@ struct OdometryVariance {
   OdometryVariance v = {square(a.distance_sigma_m_per_sqrt_m) * d + square(a.floor_m),
                         square(a.heading_sigma_rad_per_sqrt_m) * d + square(a.heading_sigma_per_rad * turn) +
                             square(a.floor_rad)};
-  // A turn that goes wrong along a long way moves its end across by what was still to go.
+  // A heading error along a long row displaces its end sideways in proportion to the remaining distance.
   if (step.way_m > 0) v.distance_m2 += v.heading_rad2 * square(chord_m) / 3;
   return v;
 }

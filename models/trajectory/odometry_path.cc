@@ -37,7 +37,7 @@ std::optional<PathPlace> place_at(const OdometryPath& path, double time_s) {
 
 namespace {
 
-/// Pose at the later of two instants in the frame of that at the earlier, or the other way round.
+/// Pose at one instant in the frame of the pose at the other, in either order.
 std::optional<Pose> motion_between(const OdometryPath& path, double from_s, double to_s) {
   const auto from = place_at(path, from_s), to = place_at(path, to_s);
   if (!from || !to) return {};
@@ -63,7 +63,7 @@ bool path_between(const OdometryPath& path, double from_s, double to_s, Odometry
     distance += path.distance_variance_m2[k];
     heading += path.heading_variance_rad2[k];
   }
-  // A turn that is off by h moves the end of the step by half of it across.
+  // A heading error h displaces the end of the step sideways by h / 2 times its length.
   o.distance_sigma_m =
       std::sqrt(std::max(distance + heading * o.T_before_after.translation_m.squaredNorm() / 3,
                          kExactPositionM * kExactPositionM));

@@ -9,9 +9,10 @@
 
 namespace octant {
 
-/// Angle of a unit vector, in (-pi, pi]; small ones without a library's arctangent.
+/// Angle of a unit vector, in (-pi, pi]. Small angles are evaluated by a series instead of the library's
+/// arctangent.
 [[nodiscard]] inline double angle_of(double cosine, double sine) {
-  constexpr double kSeries = 0.1;  // where the terms left out are below 1e-17
+  constexpr double kSeries = 0.1;  // the first neglected term is below 1e-17
   if (!(cosine > 0.0) || std::abs(sine) > kSeries) return std::atan2(sine, cosine);
   const double s2 = sine * sine;
   return sine *
@@ -20,7 +21,7 @@ namespace octant {
                                              s2 * (35.0 / 1152 + s2 * (63.0 / 2816 + s2 * 231.0 / 13312))))));
 }
 
-/// A turn in the plane as cosine and sine: chains of them need no trigonometry.
+/// Planar rotation as cosine and sine, so that chains of rotations need no trigonometric functions.
 struct PlanarTurn {
   double cosine = 1.0, sine = 0.0;
 
@@ -29,7 +30,7 @@ struct PlanarTurn {
   explicit PlanarTurn(const Eigen::Quaterniond& q)
       : cosine(1.0 - 2.0 * (q.y() * q.y() + q.z() * q.z())), sine(2.0 * (q.w() * q.z() + q.x() * q.y())) {}
   explicit PlanarTurn(double angle_rad) {
-    constexpr double kSeriesRad = 0.05;  // where the terms left out are below 1e-17
+    constexpr double kSeriesRad = 0.05;  // the first neglected term is below 1e-17
     const double d = angle_rad, d2 = d * d;
     if (d2 < kSeriesRad * kSeriesRad) {
       cosine = 1.0 - d2 * (1.0 / 2 - d2 * (1.0 / 24 - d2 * (1.0 / 720 - d2 * (1.0 / 40320))));
@@ -43,13 +44,14 @@ struct PlanarTurn {
   friend PlanarTurn operator*(const PlanarTurn& a, const PlanarTurn& b) {
     return {a.cosine * b.cosine - a.sine * b.sine, a.sine * b.cosine + a.cosine * b.sine};
   }
-  /// From a to b.
+  /// Rotation from a to b.
   friend PlanarTurn between(const PlanarTurn& a, const PlanarTurn& b) {
     return {a.cosine * b.cosine + a.sine * b.sine, a.cosine * b.sine - a.sine * b.cosine};
   }
 };
 
-/// A planar state as numbers, so that loops over a chain need neither quaternions nor trigonometry.
+/// Planar state as plain numbers, so that loops over a chain need neither quaternions nor trigonometric
+/// functions.
 struct PlanarNode {
   double x_m = 0.0, y_m = 0.0;
   PlanarTurn heading;
@@ -61,7 +63,7 @@ struct PlanarNode {
 
   [[nodiscard]] PlanarNode moved(double dx_m, double dy_m, double turn_rad) const {
     PlanarTurn h = heading * PlanarTurn(turn_rad);
-    // A step of Newton's keeps the vector's length at one.
+    // One Newton step keeps the vector at unit length.
     const double scale = 1.5 - 0.5 * (h.cosine * h.cosine + h.sine * h.sine);
     return {x_m + dx_m, y_m + dy_m, {h.cosine * scale, h.sine * scale}};
   }
@@ -69,7 +71,7 @@ struct PlanarNode {
   [[nodiscard]] Pose pose() const {
     Pose T;
     T.translation_m = {x_m, y_m, 0.0};
-    // Half the angle, from the larger of its cosine and sine.
+    // Half the angle, computed from the larger of its cosine and sine.
     const double c = heading.cosine, s = heading.sine;
     if (c >= 0.0) {
       const double w = std::sqrt(0.5 * (1.0 + c));
@@ -82,7 +84,7 @@ struct PlanarNode {
   }
 };
 
-/// Two states and the shortest turn from one to the other.
+/// Two states and the shortest rotation between them.
 struct PlanarInterval {
   const PlanarNode& from;
   const PlanarNode& to;
@@ -91,7 +93,7 @@ struct PlanarInterval {
   PlanarInterval(const PlanarNode& a, const PlanarNode& b)
       : from(a), to(b), turn(between(a.heading, b.heading)), turn_rad(turn.angle_rad()) {}
 
-  /// Linear in position and heading, as `interpolate`.
+  /// Linear in position and heading, like `interpolate`.
   [[nodiscard]] PlanarNode at(double alpha) const {
     if (alpha == 0.0) return from;
     return {(1.0 - alpha) * from.x_m + alpha * to.x_m, (1.0 - alpha) * from.y_m + alpha * to.y_m,
@@ -99,20 +101,20 @@ struct PlanarInterval {
   }
 };
 
-/// Whether the arrivals of a trajectory are single straight paths, timed by the vehicle's own clock.
+/// Returns true if all arrivals of a segment are single straight paths, timed by the clock of the vehicle.
 [[nodiscard]] inline bool has_plain_arrivals(const Trajectory& t, const Segment& segment,
                                              const SharedState& state) {
   return !t.has_cycle_offset && state.has_plain_paths() &&
          (segment.first_arrival == segment.last_arrival || !t.arrivals[segment.first_arrival].two_way);
 }
 
-/// Whether they are what PlanarArrival takes: heard at planar states.
+/// Returns true if PlanarArrival applies to the arrivals of a segment, which requires planar states.
 [[nodiscard]] inline bool has_planar_arrivals(const Trajectory& t, const Segment& segment,
                                               const SharedState& state) {
   return t.motion == Motion::kPlanar && has_plain_arrivals(t, segment, state);
 }
 
-/// What the arrivals of a run have in common, so that none of them divides by it.
+/// Factors that consecutive arrivals share, so that most of them need no division.
 class ArrivalWhitening {
  public:
   /// @param speed_offset_mps  SharedState::speed_offset of the run
@@ -131,7 +133,7 @@ class ArrivalWhitening {
   double speed_offset_mps_, sigma_s_ = 0.0, model_speed_mps_ = 0.0;
 };
 
-/// The measurement equation of such an arrival, whitened:
+/// Whitened measurement equation of a plain arrival at a planar state:
 ///   residual = (tof - |T o - p| / c - delay) / sigma
 struct PlanarArrival {
   double residual = 0.0;
@@ -139,12 +141,12 @@ struct PlanarArrival {
   double distance_m = 0.0;
   double direction[3] = {};         ///< unit vector from beacon to receiver
   double by_heading = 0.0;          ///< d residual / d heading
-  double cosine = 1.0, sine = 0.0;  ///< of the heading
+  double cosine = 1.0, sine = 0.0;  ///< cosine and sine of the heading
 
   /// @param at  state at the arrival
   PlanarArrival(const ArrivalObservation& a, const PlanarNode& at, const SharedState& state,
                 const ArrivalWhitening& w) {
-    constexpr double kMinDistanceM = 1e-6;  // as predict_arrival
+    constexpr double kMinDistanceM = 1e-6;  // the bound of predict_arrival
     const Eigen::Vector3d &o = state.receiver_p_vehicle_m[a.receiver.index()],
                           &p = state.beacon_p_map_m[a.beacon.index()];
     cosine = at.heading.cosine;
@@ -164,14 +166,14 @@ struct PlanarArrival {
   [[nodiscard]] double by_y() const { return by_distance * direction[1]; }
 };
 
-/// Odometry between two planar states: misfit in the frame of the first and its weights,
+/// Odometry between two planar states: residual in the frame of the first state, and weights,
 ///   off = step - R'(b - a),   turn = heading step - (heading b - heading a)
 struct PlanarStep {
   double dx, dy;      ///< b - a, in the map
-  double fx, fy;      ///< R off times the weight
-  double turn, off2;  ///< misfit [rad], square of the other [m^2]
+  double fx, fy;      ///< weighted residual R off, in the map
+  double turn, off2;  ///< heading residual [rad] and squared position residual [m^2]
   double weight, weight_turn;
-  double moment;  ///< derivative of the squares by the first heading, halved, turn apart
+  double moment;  ///< half the derivative of the squared position residual by the first heading, weighted
 
   PlanarStep(const OdometryObservation& o, const PlanarInterval& interval) {
     const PlanarNode &a = interval.from, &b = interval.to;
@@ -190,10 +192,11 @@ struct PlanarStep {
   }
   [[nodiscard]] double cost() const { return 0.5 * (weight * off2 + weight_turn * turn * turn); }
 
-  /// Adds the normal equations: blocks of the first state, of both, of the second.
+  /// Adds the normal equations: blocks of the first state, of the coupling, and of the second state.
   template <class Block, class Coupling, class Next, class Vector, class NextVector>
   void add_to(Block& D, Vector& g, Coupling& U, Next& D_next, NextVector& g_next) const {
-    const double cx = -weight * dy, cy = weight * dx;  // of position and heading of the first
+    const double cx = -weight * dy,
+                 cy = weight * dx;  // derivatives by position and heading of the first state
     D(0, 0) += weight;
     D(1, 1) += weight;
     D(0, 2) += cx;

@@ -8,13 +8,13 @@
 namespace octant {
 namespace {
 
-/// All that a state has a number of for each beacon; empty: none of that kind.
+/// Lists of a state that have an entry for each beacon, or are empty.
 template <class State>
 auto lists_of_beacons(State& state) {
   return std::tie(state.beacon_p_map_m, state.beacon_delay_s, state.beacon_log_gain);
 }
 
-/// Of a site or of a deployment.
+/// Axes of the receivers of a site or a deployment.
 template <class Receivers>
 std::vector<Eigen::Vector3d> axes_of(const Receivers& receivers,
                                      const std::optional<AttenuationModel>& attenuation) {
@@ -24,7 +24,7 @@ std::vector<Eigen::Vector3d> axes_of(const Receivers& receivers,
   return axes;
 }
 
-/// Visitor: see visit_parameter. An array stands on its receivers.
+/// Visitor for visit_parameter. Parameters of an array act through its receivers.
 struct InState : HasNothing<double*> {
   SharedState& state;
   explicit InState(SharedState& of) : state(of) {}
@@ -64,8 +64,7 @@ class PriorList {
     for (std::size_t i = 0; i < speeds; ++i)
       add(parameters::speed(speeds > 1 ? i + 1 : 0), {0.0, site_.speed_sigma_mps}, c_);
     add_receivers();
-    if (site_.timing.clock ==
-        Clock::kCycleOffset)  // in metres that an arrival a second into its cycle is off by
+    if (site_.timing.clock == Clock::kCycleOffset)  // error in metres of an arrival one second into its cycle
       for (std::size_t v = 0; v < site_.vehicles.size(); ++v)
         add(parameters::clock_drift(v), {site_.timing.drift, site_.timing.drift_sigma}, 1.0 / c_);
     add_attenuation();
@@ -77,7 +76,7 @@ class PriorList {
   }
 
  private:
-  /// What is known exactly is not open.
+  /// Parameters with sigma 0 are fixed and not added.
   void add(ParameterId id, const Prior& prior, double si_per_unit, double lower = -INFINITY,
            double upper = INFINITY) {
     if (prior.sigma > 0) all_.push_back({id, prior.value, prior.sigma, si_per_unit, lower, upper});
@@ -119,8 +118,8 @@ class PriorList {
     }
   }
 
-  /// Circumradius and turn of an octagon that is adjusted as a whole; turns in metres of arc.
-  /// @return whether it is one
+  /// Adds circumradius and turn (in metres of arc) of an octagon that is adjusted as a whole.
+  /// @return false if the vehicle has no such array
   bool add_array(std::size_t v) {
     const SiteVehicle& vehicle = site_.vehicles[v];
     if (!vehicle.array || vehicle.receiver_count == 0) return false;
@@ -148,7 +147,7 @@ class PriorList {
 
   const Site& site_;
   std::size_t runs_;
-  double c_;  ///< turns delays into metres
+  double c_;  ///< converts delays into metres
   std::vector<SharedPrior> all_;
 };
 
@@ -196,7 +195,7 @@ SharedState prior_state(const Site& site) {
   }
   for (const SiteReceiver& receiver : site.receivers)
     state.receiver_p_vehicle_m.push_back(receiver.position_m);
-  // The prior mean stands once: on the first kind of delay that is in use, or on the site's where none is an
+  // The prior mean is assigned once: to the first kind of delay in use, or to the site's if no delay is an
   // unknown.
   const bool on_beacons = timing.delay_per.beacon;
   const bool on_receivers = !on_beacons && timing.delay_per.receiver;

@@ -17,7 +17,7 @@
 
 namespace octant {
 
-/// The numbers that all arrivals share: what calibration solves for and localization holds fixed.
+/// Parameters that all arrivals share. Calibration estimates them, localization keeps them fixed.
 struct SharedState {
   std::vector<Eigen::Vector3d> beacon_p_map_m;
   std::vector<double> beacon_delay_s;
@@ -25,14 +25,15 @@ struct SharedState {
   std::vector<double> receiver_delay_s;
   double site_delay_s = 0.0;
   std::vector<double> speed_offset_mps = {
-      0.0};  ///< added to the medium's model; one for all, or one for each run
+      0.0};  ///< offset from the medium's model; one for all runs, or one for each run
   std::optional<AttenuationModel> attenuation;
-  std::vector<Eigen::Vector3d>
-      receiver_axis;  ///< unit vectors, zero: none; where the attenuation is directional, else empty
-  std::vector<double> pair_bias_s;  ///< beacon-major, empty: none
+  std::vector<Eigen::Vector3d> receiver_axis;  ///< unit vectors, zero for omnidirectional receivers; empty
+                                               ///< unless the attenuation is directional
+  std::vector<double> pair_bias_s;             ///< beacon-major; empty if there are no biases
+  std::vector<double> beacon_log_gain;  ///< natural logarithm of each beacon's amplitude relative to the
+                                        ///< attenuation model; empty if all are nominal
   std::vector<double>
-      beacon_log_gain;              ///< of each beacon's amplitude over the attenuation's, ln; empty: none
-  std::vector<double> clock_drift;  ///< of each vehicle, see Timing::drift; empty: none
+      clock_drift;  ///< drift of each vehicle's clock, see Timing::drift; empty if there is none
 
   [[nodiscard]] double delay_s(BeaconId beacon, ReceiverId receiver) const {
     double sum = site_delay_s + beacon_delay_s[beacon.index()] + receiver_delay_s[receiver.index()];
@@ -42,24 +43,24 @@ struct SharedState {
   [[nodiscard]] double log_gain(BeaconId beacon) const {
     return beacon_log_gain.empty() ? 0.0 : beacon_log_gain[beacon.index()];
   }
-  /// As PathInput takes it.
+  /// Axis in the form that PathInput expects.
   [[nodiscard]] const Eigen::Vector3d* axis_of(ReceiverId receiver) const {
     return receiver_axis.empty() ? nullptr : &receiver_axis[receiver.index()];
   }
   [[nodiscard]] double drift(VehicleId vehicle) const {
     return vehicle.index() < clock_drift.size() ? clock_drift[vehicle.index()] : 0.0;
   }
-  /// Whether times of flight are distance over one speed, and a delay: what the ways take that are made for
-  /// many arrivals. Whatever else makes a path longer or later is named here.
+  /// Returns true if a time of flight is distance over one speed plus a delay. The fast implementations for
+  /// many arrivals require it. Any other effect on path or time must be added here.
   [[nodiscard]] bool has_plain_paths() const { return !attenuation; }
   [[nodiscard]] double speed_offset(std::size_t run) const {
     return speed_offset_mps.size() > 1 ? speed_offset_mps[run] : speed_offset_mps[0];
   }
 };
 
-/// What a state knows of the path from a beacon to a receiver; the vehicle's pose, what two-way ranging and a
-/// cycle's clock add and a measured amplitude are the caller's. The attenuation and the axis are the state's.
-/// @param speed_mps  of the signal, its offset included
+/// Path from a beacon to a receiver as far as the shared state determines it. The caller adds the pose, the
+/// terms of two-way ranging and cycle offsets, and a measured amplitude.
+/// @param speed_mps  speed of the signal including its offset
 [[nodiscard]] inline PathInput path_of(const SharedState& state, BeaconId beacon, ReceiverId receiver,
                                        double speed_mps) {
   PathInput path;
@@ -73,24 +74,25 @@ struct SharedState {
   return path;
 }
 
-/// What an observation over a path (beacon, receiver) is derived by: derivatives have these places.
+/// Positions of the derivatives of an observation over the path (beacon, receiver).
 enum PathNumber : std::uint8_t {
-  kByBeacon,        ///< and the two axes that follow
-  kByReceiver = 3,  ///< likewise
-  kByRadius = 6,    ///< of an array as a whole
-  kByTurn,          ///< likewise
-  kByAttenuation,   ///< in the order of AttenuationRow
+  kByBeacon,        ///< three columns, one for each axis
+  kByReceiver = 3,  ///< three columns, one for each axis
+  kByRadius = 6,    ///< circumradius of an array that is adjusted as a whole
+  kByTurn,          ///< turn of such an array
+  kByAttenuation,   ///< kAttenuationUnknowns columns in the order of AttenuationRow
   kByGain = kByAttenuation + kAttenuationUnknowns,
-  kByDelay,  ///< of beacon, receiver, site and pair; it and what follows move times alone
+  kByDelay,  ///< sum of the delays of beacon, receiver, site and pair; this and the following columns affect
+             ///< times only
   kByDrift,
   kBySpeed,
   kPathNumbers
 };
 
-/// Calls visit(ParameterId, PathNumber) for every shared number that an observation over the path may hang
-/// on: the one list of them.
-/// @param receiver  invalid: a reflector that is seen, which has its place alone
-/// @param run  of the observation
+/// Calls visit(ParameterId, PathNumber) for every shared parameter that an observation over the path may
+/// depend on. This is the only list of them.
+/// @param receiver  invalid for a bearing to a reflector, which depends on its position only
+/// @param run  run of the observation
 template <class Visit>
 void for_each_path_parameter(BeaconId beacon, ReceiverId receiver, VehicleId vehicle, std::size_t run,
                              Visit&& visit) {
@@ -115,30 +117,30 @@ void for_each_path_parameter(BeaconId beacon, ReceiverId receiver, VehicleId veh
   visit(of::speed(run + 1), kBySpeed);
 }
 
-/// A shared number that is to be found, and what is known of it beforehand. SI units.
+/// A shared parameter that is to be estimated, with its prior. SI units.
 struct SharedPrior {
   ParameterId id;
   double mean = 0.0;
-  double sigma = 0.0;        ///< infinite: nothing is known
-  double si_per_unit = 1.0;  ///< of an internal unit: metres at the medium's nominal speed, or a pure number
+  double sigma = 0.0;        ///< infinite: no prior
+  double si_per_unit = 1.0;  ///< internal unit: metres at the medium's nominal speed, or a pure number
   double lower = -INFINITY, upper = INFINITY;  ///< bounds
 };
-/// All that a site leaves open. Numbers of one kind and owner follow each other.
-/// @param runs  how many there are
+/// All parameters that a site leaves open. Parameters of one kind and owner are consecutive.
+/// @param runs  number of runs
 [[nodiscard]] std::vector<SharedPrior> shared_priors(const Site& site, std::size_t runs);
 
-/// Where a state holds a shared number; null where it holds none: what an array's circumradius and turn make
-/// of it stands on the receivers.
+/// Address of a shared parameter in a state. Null if the state does not store it: circumradius and turn of an
+/// array act through the receivers.
 [[nodiscard]] double* value_in(SharedState& state, const ParameterId& id);
 
-/// Adds a beacon that has all numbers of that one.
+/// Appends a copy of a beacon with all its parameters.
 void add_copy_of_beacon(SharedState& state, std::size_t beacon);
-/// Gives a beacon all numbers of its own that it has in another state.
+/// Copies all parameters of a beacon from another state.
 void set_beacon(SharedState& state, std::size_t beacon, const SharedState& from);
 
 /// Prior means of a site; unknown coordinates are zero.
 [[nodiscard]] SharedState prior_state(const Site& site);
-/// The calibrated values of a deployment (a site's one delay is carried by the beacons).
+/// Calibrated values of a deployment. A common delay of the site is part of the beacons' delays.
 [[nodiscard]] SharedState shared_state(const Deployment& deployment);
 
 }  // namespace octant

@@ -16,7 +16,7 @@
 namespace octant {
 namespace {
 
-/// A state that is held makes no step and passes none on.
+/// A fixed state has a zero step and is decoupled from its neighbours.
 template <int N>
 void hold_ends(const StateSolveOptions& options, FixedChainSystem<N>& system) {
   const std::size_t last = system.D.size() - 1;
@@ -30,9 +30,9 @@ void hold_ends(const StateSolveOptions& options, FixedChainSystem<N>& system) {
   if (options.hold_last) hold(last);
 }
 
-/// Whether a step is the last. One of b metres or radians leaves residuals off by b / 2 of what it changed
-/// them, and derivatives by b, where beacons are a metre away or more. The next would gain the squares of
-/// these.
+/// Returns true if a step is the last one. With beacons at least one metre away, a step of b metres or
+/// radians leaves a linearisation error of b / 2 of the change in the residuals, and of b in the derivatives.
+/// The gain of the next step is quadratic in both.
 template <class Vector>
 bool is_last(const std::pmr::vector<Vector>& step, double gain, double cost, const RobustLoss& loss,
              const StateSolveOptions& options) {
@@ -44,14 +44,15 @@ bool is_last(const std::pmr::vector<Vector>& step, double gain, double cost, con
   return b * b * (gain / 4 + rest) < options.left_behind * rest;
 }
 
-/// Levenberg-Marquardt: a point is built at once with its system, which the next step takes. There is one, as
-/// that of a long drive takes most of its memory: where a step is taken back it is built again.
+/// Levenberg-Marquardt iteration. Building a state's cost also builds the system of the next step. Only one
+/// system exists, because that of a long drive needs most of the memory, so a rejected step is followed by
+/// building it again.
 template <class Chain>
 StateSolveResult solve_chain(Chain chain, const SharedState& state, const RobustLoss& loss,
                              const StateSolveOptions& options) {
   StateSolveResult result;
   FixedChainSystem<Chain::kSize> system;
-  typename FixedChainSystem<Chain::kSize>::Block alone;  // of a single state
+  typename FixedChainSystem<Chain::kSize>::Block alone;  // copy of the block of a single state
   FixedChainStep<Chain::kSize> work;
   double lambda = 1e-8;
   const auto build = [&] {
@@ -73,7 +74,7 @@ StateSolveResult solve_chain(Chain chain, const SharedState& state, const Robust
       if (!(gain > kConvergedToRounding * (1.0 + system.cost))) break;
       chain.move(work.step(), options.threads);
       if (lambda < 1e-3 && is_last(work.step(), gain, system.cost, loss, options)) {
-        system.cost -= gain;  // so near that the quadratic cost is as good as the cost
+        system.cost -= gain;  // close enough for the quadratic model to be exact
         gain = 0.0;
         break;
       }
@@ -87,7 +88,7 @@ StateSolveResult solve_chain(Chain chain, const SharedState& state, const Robust
       }
     }
     if (!improved) {
-      // Nothing left to gain, or no step in any direction helps: at rest to rounding.
+      // Converged to rounding: no gain left, or no direction improves the cost.
       result.converged = gain < 1e-6 * (1.0 + system.cost);
       break;
     }

@@ -6,7 +6,7 @@
 
 namespace octant {
 
-/// Steps that gain less than this share of the cost are rounding.
+/// Relative decrease of the cost below which a step is rounding error.
 inline constexpr double kConvergedToRounding = 1e-13;
 
 [[nodiscard]] inline bool is_plain(const RobustLoss& loss) {
@@ -15,15 +15,15 @@ inline constexpr double kConvergedToRounding = 1e-13;
 
 struct StateSolveOptions {
   int max_iterations = 30;
-  double tolerance =
-      kConvergedToRounding;  ///< a step that gains less than this share of the cost is the last
-  /// With plain squares so is one whose length predicts that the next would gain less than this share.
+  double tolerance = kConvergedToRounding;  ///< relative decrease of the cost that ends the iteration
+  /// Without robust loss, the iteration also ends when the next step is predicted to gain less than this
+  /// share.
   double left_behind = 0.0;
-  int threads = 1;                             ///< on stretches of a long chain
-  bool hold_first = false, hold_last = false;  ///< these states of the segment stay where they are
+  int threads = 1;                             ///< threads that work on parts of a long chain
+  bool hold_first = false, hold_last = false;  ///< keep the first or last state of the segment fixed
 };
 
-/// As `solve_states` of trajectory.h, which is this one with its defaults.
+/// Solves for the states with options; `solve_states` of trajectory.h calls it with the defaults.
 StateSolveResult solve_states(Trajectory& trajectory, const Segment& segment, const SharedState& state,
                               const RobustLoss& loss, const StateSolveOptions& options);
 

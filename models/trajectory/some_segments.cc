@@ -11,7 +11,7 @@ Segment stretch_of(const Trajectory& t, const Segment& segment, std::size_t firs
   Segment out = segment;
   out.first_node = first_node;
   out.last_node = last_node;
-  // The last node carries no observation that reaches beyond it, so those on it with alpha > 0 are out as
+  // The last node has no observations that reach beyond it, so those on it with alpha > 0 are excluded as
   // well.
   for_each_list([&](auto list, auto first, auto last) {
     out.*first = first_of_node(t.*list, first_node, segment.*first, segment.*last);
@@ -26,7 +26,7 @@ Trajectory pick_segments(const Trajectory& t, const std::vector<Segment>& segmen
   few.T_hear_send = t.T_hear_send;
   for (const Segment& from : segments) {
     Segment to;
-    const std::size_t shift = few.nodes.size() - from.first_node;  // modulo 2^n, as is the sum below
+    const std::size_t shift = few.nodes.size() - from.first_node;  // modulo 2^n, like the sum below
     const auto append = [](const auto& all, std::size_t first, std::size_t last, auto& some) {
       some.insert(some.end(), all.begin() + static_cast<std::ptrdiff_t>(first),
                   all.begin() + static_cast<std::ptrdiff_t>(last));

@@ -11,19 +11,19 @@
 
 namespace octant {
 
-/// Whether the arrivals of a trajectory are what SpatialArrival takes.
+/// Returns true if SpatialArrival applies to the arrivals of a segment.
 [[nodiscard]] inline bool has_spatial_arrivals(const Trajectory& t, const Segment& segment,
                                                const SharedState& state) {
   return t.motion == Motion::kSpatial && has_plain_arrivals(t, segment, state);
 }
 
-/// Two states in space and the shortest turn from one to the other.
+/// Two states in space and the shortest rotation between them.
 struct SpatialInterval {
-  Eigen::Matrix3d R;                    ///< of the first
-  Eigen::Matrix3d R_turn;               ///< of the second in the first's frame, Exp(phi)
-  Eigen::Quaterniond turn;              ///< the same
-  Eigen::Vector3d from_m, to_m, phi;    ///< places; the turn's rotation vector
-  double turn2 = 0.0, curvature = 0.0;  ///< its square, and see `inverse_curvature`
+  Eigen::Matrix3d R;                    ///< rotation of the first state
+  Eigen::Matrix3d R_turn;               ///< rotation of the second state in the frame of the first, Exp(phi)
+  Eigen::Quaterniond turn;              ///< the rotation as a quaternion
+  Eigen::Vector3d from_m, to_m, phi;    ///< positions of both states; rotation vector
+  double turn2 = 0.0, curvature = 0.0;  ///< squared length of phi; see `inverse_curvature`
 
   SpatialInterval(const Pose& a, const Pose& b)
       : R(a.rotation.toRotationMatrix()),
@@ -37,8 +37,8 @@ struct SpatialInterval {
   }
 };
 
-/// An instant between two states, and how a turn then follows those of the states, as `InstantPose`. Where K
-/// = [phi]x all that turns is a polynomial in K, of which K^3 = -|phi|^2 K leaves
+/// Instant between two states and the derivatives of its rotation, like `InstantPose`. With K = [phi]x every
+/// rotation is a polynomial in K that K^3 = -|phi|^2 K reduces to second degree:
 ///   Exp(alpha phi) = I + sine K + versine K^2
 ///   Exp(alpha phi) d turn / d turn of the next = alpha (I + next[0] K + next[1] K^2)
 ///   Exp(alpha phi) d turn / d turn of the first = I - alpha (I + node[0] K + node[1] K^2)
@@ -62,7 +62,7 @@ struct SpatialInstant {
     node[0] = odd - 0.5 * (1.0 - i.turn2 * b);
     node[1] = even - 0.5 * a;
   }
-  /// Exp(alpha phi) v, and back.
+  /// Exp(alpha phi) v and its inverse.
   [[nodiscard]] Eigen::Vector3d turned(const SpatialInterval& i, const Eigen::Vector3d& v) const {
     const Eigen::Vector3d once = i.phi.cross(v);
     return v + sine * once + versine * i.phi.cross(once);
@@ -73,21 +73,21 @@ struct SpatialInstant {
   }
 };
 
-/// The measurement equation of a plain arrival in space, whitened:
+/// Whitened measurement equation of a plain arrival in space:
 ///   residual = (tof - |T o - p| / c - delay) / sigma
-/// and its derivatives by the states before and after it (by the first alone where alpha is zero).
+/// with its derivatives by the states before and after it (by the first only if alpha is zero).
 struct SpatialArrival {
   using Vector6 = Eigen::Matrix<double, 6, 1>;
   double residual = 0.0;
   double by_distance = 0.0;  ///< d residual / d distance
   double distance_m = 0.0;
   Eigen::Vector3d direction;        ///< unit vector from beacon to receiver, in the map
-  Eigen::Vector3d direction_first;  ///< the same in the frame of the first state
+  Eigen::Vector3d direction_first;  ///< unit vector from beacon to receiver, in the frame of the first state
   Vector6 by_node, by_next;
 
   SpatialArrival(const ArrivalObservation& a, const SpatialInterval& i, const SpatialInstant& at,
                  const SharedState& state, const ArrivalWhitening& w) {
-    constexpr double kMinDistanceM = 1e-6;  // as predict_arrival
+    constexpr double kMinDistanceM = 1e-6;  // the bound of predict_arrival
     const Eigen::Vector3d &o = state.receiver_p_vehicle_m[a.receiver.index()],
                           &p = state.beacon_p_map_m[a.beacon.index()];
     const Eigen::Vector3d arm = at.turned(i, o);  // in the frame of the first state
@@ -124,7 +124,7 @@ class SpatialStep {
     return 0.5 * (weight_ * off_.squaredNorm() + weight_turn_ * e_.squaredNorm());
   }
 
-  /// Adds the normal equations: blocks of the first state, of both, of the second.
+  /// Adds the normal equations: blocks of the first state, of the coupling, and of the second state.
   template <class Block, class Coupling, class Next, class Vector, class NextVector>
   void add_to(Block& D, Vector& g, Coupling& U, Next& D_next, NextVector& g_next) const {
     // Jr^-1(-e)' Jr^-1(-e) = I + d K^2 with K = [e]x, K^2 = e e' - |e|^2 I; and Jr^-1(-e)' e = e.

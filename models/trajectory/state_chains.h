@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to solve_states(): the chains that it moves, and their normal equations.
+// Private to solve_states(): chains of states and their normal equations.
 
 #include <algorithm>
 #include <vector>
@@ -18,10 +18,10 @@
 
 namespace octant {
 
-/// States that a thread takes at once.
+/// Number of states in the chunk of a thread.
 inline constexpr std::size_t kNodesAtOnce = 1024;
 
-/// What a stretch adds to the state behind it, and its cost.
+/// Contribution of a chunk to the state behind it, and its cost.
 template <int N>
 struct BeyondStretch {
   Eigen::Matrix<double, N, N> D = Eigen::Matrix<double, N, N>::Zero();
@@ -29,7 +29,7 @@ struct BeyondStretch {
   double cost = 0.0;
 };
 
-/// Builds stretches of a chain side by side, build(beyond, first, last); sums do not depend on the number of
+/// Builds the chunks of a chain in parallel, build(beyond, first, last). Sums do not depend on the number of
 /// threads.
 template <int N, class Build>
 void build_stretches(std::size_t count, int threads, FixedChainSystem<N>& system, Build&& build) {
@@ -48,7 +48,7 @@ void build_stretches(std::size_t count, int threads, FixedChainSystem<N>& system
   }
 }
 
-/// @param beyond  takes what belongs to the next state; null: the system does
+/// @param beyond  receives the terms of the next state; null: they go into the system
 template <int N>
 void add_row(const ObservationRow& row, double w, std::size_t k, FixedChainSystem<N>& system,
              BeyondStretch<N>* beyond = nullptr) {
@@ -62,7 +62,7 @@ void add_row(const ObservationRow& row, double w, std::size_t k, FixedChainSyste
   system.U[k].noalias() += (w * a).lazyProduct(b.transpose());
 }
 
-/// Where the normal equations of two neighbouring states stand.
+/// References to the normal equations of two neighbouring states.
 template <int N>
 struct IntervalBlocks {
   using Block = Eigen::Matrix<double, N, N>;
@@ -71,7 +71,7 @@ struct IntervalBlocks {
   Vector &g, &g_next;
 };
 
-/// Takes arrivals between two states in space.
+/// Adds arrivals between two states in space.
 struct SpatialBlocks : IntervalBlocks<6> {
   explicit SpatialBlocks(const IntervalBlocks<6>& to) : IntervalBlocks<6>(to) {}
 
@@ -96,7 +96,7 @@ struct SpatialBlocks : IntervalBlocks<6> {
   }
 };
 
-/// Takes arrivals between two planar states and adds them up, each symmetric block as xx, xy, xh, yy, yh, hh.
+/// Adds arrivals between two planar states. Each symmetric block is accumulated as xx, xy, xh, yy, yh, hh.
 class PlanarBlocks {
  public:
   explicit PlanarBlocks(const IntervalBlocks<3>& to) : to_(to) {}
@@ -146,7 +146,8 @@ class PlanarBlocks {
 };
 
 /// Adds the plain arrivals and the odometry of states [first, last) of a segment, interval by interval.
-/// @param interval_at  (k): from the segment's state k to the next, or where it is the last to itself
+/// @param interval_at  (k): interval from the segment's state k to the next one, or to itself for the last
+/// state
 template <class Blocks, class Step, int N, class IntervalAt>
 void add_intervals(const Trajectory& t, const Segment& segment, std::size_t first, std::size_t last,
                    const SharedState& state, const RobustLoss& loss, IntervalAt&& interval_at,
@@ -177,7 +178,7 @@ void add_intervals(const Trajectory& t, const Segment& segment, std::size_t firs
   beyond.cost += cost;
 }
 
-/// Any segment: its states are the nodes themselves.
+/// Chain of any segment, whose states are the nodes themselves.
 template <int N>
 class NodeChain {
  public:
@@ -194,7 +195,7 @@ class NodeChain {
     const bool is_spatial = N == 6 && has_spatial_arrivals(t_, segment_, state);
     const auto stretch = [&](BeyondStretch<N>& beyond, std::size_t first, std::size_t last) {
       const std::size_t base = segment_.first_node;
-      // Up to the observations between its last state and the one behind it.
+      // Includes the observations between its last state and the next one.
       Segment part =
           last - first == kept_.size() ? segment_ : stretch_of(t_, segment_, base + first, base + last + 1);
       if constexpr (N == 6) {
@@ -236,7 +237,7 @@ class NodeChain {
   std::pmr::vector<Node> kept_;
 };
 
-/// A segment in the plane with plain arrivals, and odometry between its states or none.
+/// Chain of a planar segment with plain arrivals, with or without odometry.
 class PlanarChain {
  public:
   static constexpr int kSize = 3;
@@ -284,7 +285,7 @@ class PlanarChain {
       t_.nodes[segment_.first_node + k].T_map_vehicle = now_[k].pose();
   }
 
-  /// Bearings and measured poses, of which there are few.
+  /// Adds bearings and measured poses, which are few.
   void add_others(const SharedState& state, const RobustLoss& loss, FixedChainSystem<3>& system) {
     write();
     Segment others = segment_;

@@ -10,38 +10,39 @@
 
 namespace octant {
 
-/// What the states of a vehicle in a run are, and so which of them hang together by more than what all share.
+/// Kinds of vehicle states in a run, which determine how the states are linked.
 enum class StateKind {
-  kStops,         ///< an epoch each, each for itself
-  kChainedStops,  ///< an epoch each, odometry between them
-  kDrive,         ///< at odometry rows, all of them a chain
-  kMotion,        ///< at instants of arrivals, tied by a motion prior until the vehicle is silent
-  kMoments        ///< at instants of arrivals, each for itself; where there are measured poses, with one
+  kStops,         ///< one independent state for each epoch
+  kChainedStops,  ///< one state for each epoch, linked by odometry
+  kDrive,         ///< one state for each odometry row, in one chain
+  kMotion,        ///< one state for each instant of arrivals, linked by a motion prior between silences
+  kMoments  ///< one independent state for each instant of arrivals, with its measured pose if there are any
 };
 
-/// As make_trajectory builds them, of a vehicle that has arrivals.
+/// Kind of the states that make_trajectory builds for a vehicle with arrivals.
 [[nodiscard]] StateKind state_kind(const MeasurementLog& log, VehicleId vehicle,
                                    const TrajectoryModel& model);
 
-/// Arrivals of one moment: of one time, or heard while the vehicle, whose pose was measured, moved by less
-/// than a tenth of what that pose is good to, and of the noise of a range. As states of their own each would
-/// have the one error of the pose anew.
-/// @param arrivals  indices into the log's, by time  @param first  of them, heard at T
-/// @param T  where it was measured to be then; none: arrivals of one time alone
-/// @param noise_m  of a range
-/// @return behind the last of them
+/// Finds the arrivals that share a moment, and so a state. They have the same time, or the vehicle, whose
+/// pose is measured, moves between them by less than a tenth of the pose's sigma and of a range's noise.
+/// Separate states would count the one error of the pose several times.
+/// @param arrivals  indices into the arrivals of the log, by time  @param first  first arrival of the moment,
+/// received at T
+/// @param T  measured pose at that time; null: only arrivals of the same time
+/// @param noise_m  sigma of a range
+/// @return one past the last arrival of the moment
 [[nodiscard]] std::size_t end_of_moment(const MeasurementLog& log, const std::vector<std::size_t>& arrivals,
                                         std::size_t first, const Pose* T, double noise_m);
 
-/// No sound takes longer to pass a vehicle.
+/// Longest time in which sound passes a vehicle.
 inline constexpr double kMoment_s = 0.01;
-/// After a silence the motion prior says nothing any more.
+/// Silence after which the motion prior carries no information.
 inline constexpr double kSilence_s = 10.0;
-/// Bearings belong to the nearest instant of arrivals, if they are that near.
+/// Longest time between a bearing and the instant of arrivals that it belongs to.
 inline constexpr double kNearInstant_s = 0.05;
 
-/// Arrivals of a vehicle farther apart in time belong to states that do not hang together; 0 for stops, whose
-/// epochs tell.
+/// Arrivals of a vehicle that are farther apart in time belong to states that are not linked. 0 for stops,
+/// whose epochs separate them.
 [[nodiscard]] double longest_tie_s(StateKind kind);
 
 }  // namespace octant

@@ -19,8 +19,8 @@ ArrivalObservation observe(const Arrival& a, const TrajectoryModel& model, doubl
     o.log_amplitude = std::log(a.amplitude_v);
     o.log_amplitude_sigma = model.noise.amplitude_relative_sigma;
     if (model.attenuation->directional()) {
-      // The walk is taken at this amplitude; near the threshold it bends, and one that was measured too loud
-      // must not seem exact.
+      // The walk follows from the measured amplitude. It is strongly nonlinear near the threshold, so an
+      // overestimated amplitude must not appear exact.
       const double least_v = a.amplitude_v * std::max(1 - o.log_amplitude_sigma, 0.5);
       o.sigma_s =
           std::hypot(o.sigma_s, walk_by_log_amplitude_s(least_v, *model.attenuation) * o.log_amplitude_sigma);

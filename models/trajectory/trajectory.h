@@ -19,8 +19,7 @@
 
 namespace octant {
 
-/// Vehicle state at one instant: the pose of a stationary epoch, or of a drive at the time of an odometry
-/// row.
+/// Vehicle state at one instant: pose of a stationary epoch, or of a drive at the time of an odometry row.
 struct Node {
   double time_s = 0.0;
   std::int64_t epoch = kNoEpoch;
@@ -42,12 +41,13 @@ struct ArrivalObservation {
   double tof_s = 0.0;
   double sigma_s = 1.0;
   double model_speed_mps =
-      0.0;                     ///< of the medium at the arrival's temperature, without the calibrated offset
+      0.0;  ///< speed of the medium at the arrival's temperature, without the calibrated offset
   double log_amplitude = 0.0;  ///< ln(A / 1 V); used when log_amplitude_sigma > 0
   double log_amplitude_sigma = 0.0;
   bool two_way = false;
-  Rejection rejection = Rejection::kUsed;  // beside the other byte: logs have millions of these
-  std::int32_t hear_send = -1;             ///< two-way ranging: index into Trajectory::T_hear_send
+  Rejection rejection =
+      Rejection::kUsed;         // next to the other byte to save memory: logs have millions of these
+  std::int32_t hear_send = -1;  ///< two-way ranging: index into Trajectory::T_hear_send
   [[nodiscard]] double legs() const { return legs_of(two_way); }
 };
 
@@ -79,14 +79,14 @@ struct OdometryObservation {
   double heading_sigma_rad = 0.01;
 };
 
-/// What the motion prior says of node and node + 1, or (step_s = 0) of the velocity at a node.
+/// Constraint of the motion prior between node and node + 1, or (step_s = 0) on the velocity of a node.
 struct MotionObservation {
   std::size_t node = 0;
   double step_s = 0.0;
 };
 
-/// States that hang together: one stationary epoch, or a stretch of a drive. Ranges [first, last) into the
-/// lists of the Trajectory, each ordered by node.
+/// States that are linked with each other: one stationary epoch, or a part of a drive. Ranges [first, last)
+/// into the lists of the Trajectory, each ordered by node.
 struct Segment {
   std::size_t first_node = 0, last_node = 0;
   std::size_t first_arrival = 0, last_arrival = 0;
@@ -96,25 +96,25 @@ struct Segment {
   std::size_t first_motion = 0, last_motion = 0;
 };
 
-/// What the states of a vehicle in a run consist of.
+/// Composition of the states of a vehicle in a run.
 struct StateSpace {
   std::size_t run = 0;  ///< index of the run
   VehicleId vehicle;
   Motion motion = Motion::kPlanar;
   bool has_cycle_offset = false;
   bool moving = false;                      ///< no epochs: states at odometry or arrival times
-  double nominal_speed_mps = 343.0;         ///< turns cycle offsets into metres
-  double turnaround_s = 0.0;                ///< of two-way ranging
+  double nominal_speed_mps = 343.0;         ///< converts cycle offsets into metres
+  double turnaround_s = 0.0;                ///< two-way ranging only
   std::optional<MotionPrior> motion_prior;  ///< planar motion; states then carry their velocity
 
-  /// Unknowns of a node: the pose's, then the cycle offset (in metres at the medium's speed) or the velocity
-  /// where there is one.
+  /// Number of unknowns of a node: those of the pose, then the cycle offset (in metres at the medium's speed)
+  /// or the velocity if there is one.
   [[nodiscard]] int block_size() const {
     return pose_dof(motion) + (has_cycle_offset ? 1 : 0) + (motion_prior ? 3 : 0);
   }
 };
 
-/// All states of one vehicle in one run, with everything that was observed of them.
+/// All states of one vehicle in one run, with the observations of them.
 struct Trajectory : StateSpace {
   std::vector<Node> nodes;
   std::vector<Segment> segments;
@@ -123,15 +123,14 @@ struct Trajectory : StateSpace {
   std::vector<PoseObservation> poses;
   std::vector<OdometryObservation> odometry;
   std::vector<MotionObservation> motion_steps;
-  /// Arrivals of the run that no state could carry (before the first odometry row, in a gap of the measured
-  /// poses).
+  /// Arrivals without a state: before the first odometry row, or in a gap of the measured poses.
   std::vector<std::size_t> stateless_arrivals;
   std::vector<Pose>
-      T_hear_send;  ///< two-way ranging: the pose when the vehicle asked in the frame of that when it heard
+      T_hear_send;  ///< two-way ranging: pose at the request in the frame of the pose at reception
 };
 
-/// Calls visit(list, first, last) for each list of observations: the member of a trajectory that holds it,
-/// and those of a segment that hold its range.
+/// Calls visit(list, first, last) for each list of observations: the member of a trajectory that contains it,
+/// and the members of a segment that contain its range.
 template <class Visit>
 void for_each_list(Visit&& visit) {
   visit(&Trajectory::arrivals, &Segment::first_arrival, &Segment::last_arrival);
@@ -141,7 +140,7 @@ void for_each_list(Visit&& visit) {
   visit(&Trajectory::motion_steps, &Segment::first_motion, &Segment::last_motion);
 }
 
-/// Index of the first observation of a node or of one behind it, within [first, last) of a list.
+/// Index of the first observation of this node or a later one, within [first, last) of a list.
 template <class Observation>
 [[nodiscard]] std::size_t first_of_node(const std::vector<Observation>& list, std::size_t node,
                                         std::size_t first, std::size_t last) {
@@ -152,16 +151,16 @@ template <class Observation>
   return static_cast<std::size_t>(at - begin);
 }
 
-/// The amplitude at which an arrival's walk is taken: the measured one of a directional receiver, as
-/// PathInput has it. Far off its axis a receiver just hears, where the walk grows without bound: a pose must
-/// not be told by how late that makes the pulse.
+/// Amplitude from which the walk of an arrival is computed: the measured one for a directional receiver. Far
+/// off its axis the walk grows without bound at the threshold, and the lateness of such a pulse must not
+/// determine the pose.
 [[nodiscard]] inline std::optional<double> walk_amplitude(const ArrivalObservation& a,
                                                           const SharedState& state) {
   const bool measured = a.log_amplitude_sigma > 0 && state.attenuation && state.attenuation->directional();
   return measured ? std::optional<double>(a.log_amplitude) : std::nullopt;
 }
 
-/// Path of an arrival, but for the vehicle's pose and the offset of its cycle.
+/// Path of an arrival, except for the vehicle's pose and cycle offset.
 [[nodiscard]] inline PathInput path_of(const Trajectory& trajectory, const ArrivalObservation& a,
                                        const SharedState& state) {
   PathInput path =
@@ -174,61 +173,60 @@ template <class Observation>
   return path;
 }
 
-/// What a trajectory needs to know of a site or a deployment.
+/// Properties of a site or a deployment that a trajectory depends on.
 struct TrajectoryModel {
   Motion motion = Motion::kPlanar;
   Medium medium;
   Timing timing;
   Noise noise;
-  std::optional<AttenuationModel> attenuation{};  ///< with it logged amplitudes are observations
-  /// Of each vehicle; used for drives with neither odometry nor measured poses, planar and without a cycle
-  /// offset.
+  std::optional<AttenuationModel> attenuation{};  ///< if given, logged amplitudes are observations
+  /// Motion prior of each vehicle. Used for planar drives with neither odometry nor measured poses nor a
+  /// cycle offset.
   std::vector<std::optional<MotionPrior>> motion_priors{};
 };
 
-/// What the states of a vehicle consist of in the model's own medium: of run 0, and standing.
+/// Composition of the states of a vehicle at rest in run 0, in the medium of the model.
 [[nodiscard]] StateSpace state_space(VehicleId vehicle, const TrajectoryModel& model);
 
-/// Every so many-th segment of a trajectory with what belongs to it.
+/// Every `stride`-th segment of a trajectory with its observations.
 [[nodiscard]] Trajectory some_segments(const Trajectory& trajectory, std::size_t stride);
 
-/// Makes a trajectory of the one state of a standing vehicle, from the arrivals and bearings of one of its
-/// epochs. What the trajectory held is overwritten, its memory is used again. Two-way ranging: the vehicle
-/// stands.
+/// Turns a trajectory into the single state of a vehicle at rest, from the arrivals and bearings of one of
+/// its epochs. The previous contents are overwritten and their memory is reused.
 void set_epoch(Trajectory& trajectory, std::span<const Arrival> arrivals, std::span<const Bearing> bearings,
                const TrajectoryModel& model);
-/// The vehicle of a trajectory, standing at a node; what it observes there is to be added, and then the
-/// segment of all that.
+/// A trajectory with one node and no observations, for a vehicle at rest. Call set_only_segment() after
+/// adding observations.
 [[nodiscard]] Trajectory standing_at(const Trajectory& like, const Node& node);
-/// One segment of all that a trajectory holds.
+/// Makes one segment of everything in a trajectory.
 void set_only_segment(Trajectory& trajectory);
-/// Takes the memory for epochs of that many rows.
+/// Reserves memory for epochs with the given numbers of rows.
 void reserve_epoch(Trajectory& trajectory, std::size_t arrivals, std::size_t bearings);
 
-/// An arrival as an observation of node 0, in a medium of that speed.
+/// Converts an arrival into an observation of node 0, for a given speed of the medium.
 [[nodiscard]] ArrivalObservation observe(const Arrival& arrival, const TrajectoryModel& model,
                                          double model_speed_mps);
-/// Speed of the model's medium at an arrival: at its own temperature where it brings one.
+/// Speed of the model's medium at the temperature of an arrival, if it has one, else of the site.
 [[nodiscard]] double speed_of(const Arrival& arrival, const TrajectoryModel& model);
 
-/// Measured pose at a time: linear and slerp between neighbours not further apart than max_gap_s; false
-/// beyond the ends.
+/// Measured pose at a time, by linear and spherical interpolation between neighbours at most max_gap_s apart;
+/// false outside the measured time span.
 [[nodiscard]] bool interpolate_poses(const std::vector<TimedPose>& poses, double time_s, double max_gap_s,
                                      Pose& T_map_vehicle);
 
-/// How far the residual of an arrival counts: Cauchy's loss with a scale for late and one for early arrivals,
-/// in sigmas. Sound never arrives early, so echoes are forgiven sooner than arrivals from behind the wall.
+/// Robust loss of an arrival's residual: Cauchy's loss with separate scales for late and early arrivals, in
+/// sigmas. Sound never arrives early, so late outliers are down-weighted sooner.
 struct RobustLoss {
-  double late_scale = 0.0;  ///< 0: plain squares
+  double late_scale = 0.0;  ///< 0: squared loss
   double early_scale = 0.0;
-  /// rho(r^2) and its derivative by r^2, so that the cost is 1/2 rho and the weight rho'.
+  /// Returns rho(r^2) and its derivative by r^2. The cost is rho / 2 and the weight rho'.
   void evaluate(double residual, double& rho, double& weight) const {
     const double s2 = residual * residual, scale = residual > 0 ? late_scale : early_scale;
     const double c2 = scale * scale;
     rho = scale > 0 ? c2 * std::log1p(s2 / c2) : s2;
     weight = scale > 0 ? 1.0 / (1.0 + s2 / c2) : 1.0;
   }
-  /// Adds a residual's cost and returns its weight.
+  /// Adds the cost of a residual and returns its weight.
   [[nodiscard]] double weigh(double residual, double& cost) const {
     double rho = 0.0, weight = 1.0;
     evaluate(residual, rho, weight);
@@ -245,16 +243,16 @@ struct StateSolveResult {
   bool singular = false;  ///< the observations do not determine the states
 };
 
-/// Gauss-Newton (Levenberg-Marquardt) on the states of one segment, shared parameters held: a
+/// Solves for the states of one segment with fixed shared parameters, by Levenberg-Marquardt on a
 /// block-tridiagonal system. Writes nodes[first_node, last_node) of the trajectory.
 StateSolveResult solve_states(Trajectory& trajectory, const Segment& segment, const SharedState& state,
                               const RobustLoss& loss, int max_iterations = 30);
 
-/// Covariance of a node's state, in a room of its own.
+/// Covariance of the state of a node, with fixed capacity.
 using StateCovariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 7, 7>;
 
-/// Covariance of one node's state (block_size x block_size) within its segment, all else marginalised, shared
-/// parameters held. Empty if singular.
+/// Covariance of the state of one node (block_size x block_size) within its segment, with all other states
+/// marginalised and the shared parameters fixed. Empty if singular.
 [[nodiscard]] StateCovariance node_covariance(const Trajectory& trajectory, const Segment& segment,
                                               std::size_t node, const SharedState& state);
 
