@@ -18,7 +18,7 @@
 
 namespace octant {
 
-/// The ways of finding a vehicle, by the names of the command line.
+/// Localization methods, with the names that the command line uses.
 enum class Method {
   kAuto,
   kKleeman,
@@ -32,30 +32,30 @@ enum class Method {
   kTracker
 };
 [[nodiscard]] const char* to_string(Method method);
-/// All of them in the order of the enumeration.
+/// All methods in the order of the enumeration.
 [[nodiscard]] const std::vector<std::pair<std::string_view, Method>>& method_names();
 
-/// Why fixes of a method have no protection level; empty where they have one as soon as there is a beacon to
-/// spare.
+/// Reason for which fixes of a method have no protection level. Empty for methods that compute one whenever
+/// there is a redundant beacon.
 [[nodiscard]] const char* why_no_level(Method method);
 
-/// What a method may be given beside deployment and run.
+/// Inputs of a method besides deployment and run.
 struct MethodInput {
-  std::optional<LineMap> line_map{};  ///< Method::kLineMap
+  std::optional<LineMap> line_map{};  ///< required by Method::kLineMap
   KleemanHeading kleeman_heading = KleemanHeading::kInterpolation;
 };
 
-/// Whether a method can work on a run of a site; the error says what is missing.
+/// Checks that a method can process a run of a site. The error states what is missing.
 [[nodiscard]] Result<void> method_fits(Method method, const Deployment& deployment, const MeasurementLog& run,
                                        const MethodInput& input = {});
 
-/// A localizer of single poses by arrivals or bearings; none for kAuto, kLineMap and kTracker. The deployment
-/// fits (method_fits).
+/// Creates a localizer of single poses from arrivals or bearings. Null for kAuto, kLineMap and kTracker. The
+/// deployment must pass method_fits().
 [[nodiscard]] std::unique_ptr<Localizer> make_localizer(Method method, const Deployment& deployment,
                                                         const MethodInput& input = {});
 
-/// What Method::kAuto stands for on a run, and why in a few words: the most exact method that deployment and
-/// log allow.
+/// Method that Method::kAuto selects for a run, with the reason in a few words. It is the most accurate
+/// method that deployment and log allow.
 struct MethodChoice {
   Method method = Method::kLeastSquares;
   const char* why = "";
@@ -63,10 +63,9 @@ struct MethodChoice {
 [[nodiscard]] MethodChoice choose_method(const Deployment& deployment, const MeasurementLog& run,
                                          const MethodInput& input = {});
 
-/// All fixes of a run, in the order of time, those without a pose included with their reason. Localizers of
-/// single poses get epoch by epoch; without epochs, what arrives within five milliseconds of each other.
-/// Rows whose beacon or receiver is none of the deployment's take no part.
-/// Errors: those of method_fits.
+/// All fixes of a run in order of time, including those without a pose. Localizers of single poses process
+/// one epoch at a time; without epochs, the arrivals within five milliseconds of each other. Rows whose
+/// beacon or receiver is not part of the deployment are ignored. Errors are those of method_fits.
 [[nodiscard]] Result<std::vector<Fix>> locate_run(Method method, const Deployment& deployment,
                                                   const MeasurementLog& all_rows,
                                                   const MethodInput& input = {});

@@ -14,7 +14,7 @@
 namespace octant {
 namespace {
 
-constexpr double kRounding_m = 1e-9;  // of the geometry; stands in where the deployment states no noise
+constexpr double kRounding_m = 1e-9;  // rounding of the geometry; used if the deployment states no noise
 constexpr int kSteps = 20;
 
 Eigen::Matrix2d rotation(double angle_rad) { return Eigen::Rotation2Dd(angle_rad).toRotationMatrix(); }
@@ -24,8 +24,9 @@ Eigen::Matrix2d rotation(double angle_rad) { return Eigen::Rotation2Dd(angle_rad
 std::optional<Eigen::Vector2d> intersect_circles(const Eigen::Vector2d& p1_m, double r1_m,
                                                  const Eigen::Vector2d& p2_m, double r2_m,
                                                  const Eigen::Vector2d& facing) noexcept {
-  // eq. 3-6 solve for y = M x + N, the circles' common chord, and divide by y2 - y1, which is zero for the
-  // paper's own receivers. The same chord in the receivers' frame: along them and square to them.
+  // Eq. 3-6 solve for y = M x + N, the common chord of the circles, and divide by y2 - y1, which is zero for
+  // the paper's own receivers. The same chord is computed in the receivers' frame, along and perpendicular to
+  // their baseline.
   const Eigen::Vector2d chord = p2_m - p1_m;
   const double b = chord.norm();
   if (!(b > 1e-9)) return std::nullopt;
@@ -81,7 +82,7 @@ void Binaural::locate_known(const Observations& observations, Fix& fix) noexcept
   count_rejections(fix);
 }
 
-/// Brings the arrivals to the four links, and the fix to its blank state.
+/// Assigns the arrivals to the four links and resets the fix.
 void Binaural::collect(const Observations& observations, Fix& fix) noexcept {
   begin_fix(observations.arrivals, fix);
   fix.covariance.setZero(3, 3);
@@ -124,15 +125,15 @@ FixStatus Binaural::closed_form(PlanarPose& pose) const noexcept {
     if (!level) return FixStatus::kPoorGeometry;
     r[i] = *level;
   }
-  // eq. 3-6 on each robot: the other's transmitter in its frame.
+  // eq. 3-6 on each robot: the other robot's transmitter in its frame.
   const auto p_t2_vehicle = intersect_circles(links_[0].p_receiver_m.head<2>(), r[0],
                                               links_[1].p_receiver_m.head<2>(), r[1], roles_->facing1);
   const auto p_t1_map = intersect_circles(links_[2].p_beacon_m.head<2>(), r[2],
                                           links_[3].p_beacon_m.head<2>(), r[3], options_.facing_map);
   if (!p_t2_vehicle || !p_t1_map) return FixStatus::kPoorGeometry;
 
-  // eq. 7, 8: the angles under which each transmitter sees the other. The paper takes one from the lateral
-  // axis and the other from the forward one (its special cases contradict each other otherwise); here both
+  // eq. 7, 8: angles at which each transmitter sees the other. The paper measures one of them from the
+  // lateral axis and the other from the forward axis; otherwise its special cases are inconsistent. Here both
   // are bearings from x.
   const double alpha1 = angle_of(*p_t2_vehicle - links_[2].p_receiver_m.head<2>());
   const double alpha2 = angle_of(*p_t1_map - links_[0].p_beacon_m.head<2>());
@@ -183,7 +184,7 @@ FixStatus Binaural::adjust(PlanarPose& pose, Fix& fix) noexcept {
   }
   if (!converged) return FixStatus::kNotConverged;
 
-  // Noise, and what calibration leaves uncertain, which several of the ranges share.
+  // Noise and calibration uncertainty, which several of the ranges share.
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
   R.topLeftCorner<2, 2>() = rotation(pose.heading_rad);
   range_errors_.clear();

@@ -12,8 +12,10 @@
 namespace octant {
 namespace {
 
-constexpr double kSameLength = 1e-3;  // two distances that differ by less tell nothing of who is what
-constexpr double kMinSine = 0.1;      // of the angle between the receivers' chord and where they look
+constexpr double kSameLength =
+    1e-3;  // smallest difference between two distances that identifies the transducers
+constexpr double kMinSine =
+    0.1;  // smallest sine of the angle between the receivers' baseline and their direction
 
 /// Indices of transmitter, left and right receiver among three points.
 Result<std::array<std::size_t, 3>> order(const std::array<Eigen::Vector2d, 3>& p,

@@ -51,7 +51,7 @@ bool CalibrationErrors::of(const ObservationRow& row, Eigen::RowVectorXd& errors
 void node_calibration(const Trajectory& t, const Segment& segment, const SharedState& state,
                       const ChainFactor& chain, const CalibrationPart& calibration, std::size_t node,
                       NodeCalibration& out) {
-  // The rows of H^-1 that belong to the pose of the node, by its columns.
+  // Rows of H^-1 for the pose of the node, computed by columns.
   const int n = t.block_size(), dof = pose_dof(t.motion);
   std::pmr::vector<NodeBlock> z(chain.inverse.size(), NodeBlock::Zero(n, dof), scratch());
   z[node - segment.first_node].topRows(dof).setIdentity();
@@ -63,7 +63,7 @@ void node_calibration(const Trajectory& t, const Segment& segment, const SharedS
     const std::size_t k = row.node - segment.first_node;
     NodeVector gain = z[k].transpose() * row.by_node.transpose();
     if (row.has_next) gain += z[k + 1].transpose() * row.by_next.transpose();
-    // The state gives way to an error of a parameter so that the residuals stay small: the opposite sign.
+    // The state follows a parameter error so that residuals stay small, hence the opposite sign.
     calibration.for_each_coupling(
         row, [&](int at, double derivative) { out.by_parameter.col(at) -= derivative * gain; });
     if (row.kind == RowKind::kTof && out.by_pair.cols() > 0)

@@ -12,19 +12,19 @@
 
 namespace octant {
 
-/// What the calibration leaves in the rows of a drive and does not average out along it: with H the
-/// information of all states, G their coupling to the calibrated parameters of joint covariance C = R R',
-/// and g_p the coupling to a bias that a beacon-receiver pair keeps,
+/// Effect of calibration errors on the states of a drive, which does not average out along it. With the
+/// information H of all states, their coupling G to the calibrated parameters with joint covariance C = R R',
+/// and the coupling g_p to the constant bias of a beacon-receiver pair,
 ///   P = H^-1 + H^-1 G C G' H^-1 + pair_sigma_s^2 sum_p H^-1 g_p g_p' H^-1
-/// One error of the rows, and so one solution of the chain, for each column of R and for each pair.
+/// Each column of R and each pair gives one error of the rows, and so one solution of the chain.
 class CalibrationErrors {
  public:
-  /// @param calibration  outlives this
+  /// @param calibration  must outlive this object
   CalibrationErrors(const Trajectory& trajectory, const Segment& segment, std::size_t receivers,
                     const CalibrationPart& calibration, double pair_sigma_s);
 
   [[nodiscard]] Eigen::Index columns() const { return root_.cols() + pairs_; }
-  /// Of a row; false: it depends on nothing calibrated.
+  /// Errors of a row; false if the row does not depend on calibrated parameters.
   [[nodiscard]] bool of(const ObservationRow& row, Eigen::RowVectorXd& errors) const;
 
  private:
@@ -34,20 +34,20 @@ class CalibrationErrors {
   const CalibrationPart& calibration_;
   std::size_t receivers_;
   double pair_sigma_s_;
-  std::vector<int> place_;       ///< of a parameter among those that the drive depends on; -1: it does not
-  ChainWindow::Matrix root_;     ///< R of these
-  std::vector<int> pair_place_;  ///< of beacon * receivers + receiver among those heard
+  std::vector<int> place_;    ///< index of a parameter among those that the drive depends on; -1: it does not
+  ChainWindow::Matrix root_;  ///< rows of R for these parameters
+  std::vector<int> pair_place_;  ///< index of each pair, beacon * receivers + receiver, among those received
   Eigen::Index pairs_ = 0;
 };
 
-/// The same for one node, with which a filter begins: how its pose follows an error of each parameter (a row
-/// for each degree of freedom), dx = by * dtheta.
+/// Sensitivity of a node's pose to calibration errors, from which a filter starts: dx = by * dtheta, with a
+/// row for each degree of freedom.
 struct NodeCalibration {
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6>;
-  Matrix by_parameter;  ///< a column for each column of C
-  Matrix by_pair;       ///< a column for each beacon and receiver: beacon * receivers + receiver
+  Matrix by_parameter;  ///< one column for each column of C
+  Matrix by_pair;       ///< one column for each pair: beacon * receivers + receiver
 };
-/// Fills `out`, whose columns are there already.
+/// Fills `out`, whose columns must already exist.
 void node_calibration(const Trajectory& trajectory, const Segment& segment, const SharedState& state,
                       const ChainFactor& chain, const CalibrationPart& calibration, std::size_t node,
                       NodeCalibration& out);

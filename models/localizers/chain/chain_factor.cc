@@ -23,7 +23,8 @@ ChainFactor factor_chain(const Trajectory& trajectory, const Segment& segment, c
   ChainFactor out;
   ChainSystem system;
   build_chain_system(trajectory, segment, state, RobustLoss{}, system);
-  // What no arrival tells of the attitude (a single antenna's about a straight path) is any angle.
+  // The attitude may be unobserved, as for a single antenna on a straight path. It then gets the variance of
+  // an unknown angle.
   if (trajectory.motion == Motion::kSpatial) add_vague_angles(trajectory.motion, system.D[0]);
   out.ok = eliminate_states(system, system.D.size(), out.inverse) && !out.inverse.empty();
   out.U = std::move(system.U);

@@ -9,15 +9,15 @@
 
 namespace octant {
 
-/// The block-tridiagonal information matrix of a segment's states (diagonal D, upper U) in factors
+/// Factorisation of the block-tridiagonal information matrix of a segment's states (diagonal D, upper U),
 ///   L_k = D_k - U_{k-1}' L_{k-1}^-1 U_{k-1}
-/// Shared parameters held, arrivals marked rejected left out. Of a segment that is long see chain_windows.h.
+/// for fixed shared parameters and without rejected arrivals. For long segments see chain_windows.h.
 struct ChainFactor {
   bool ok = false;                                 ///< false: the observations do not determine the states
   std::pmr::vector<NodeBlock> inverse{scratch()};  ///< L_k^-1
   std::pmr::vector<NodeBlock> U{scratch()};
 
-  /// Overwrites the right-hand side, a vector or a block of columns a node, by the solution.
+  /// Overwrites the right-hand side (a vector or a block of columns for each node) with the solution.
   template <class Part>
   void solve(std::pmr::vector<Part>& x) const {
     for (std::size_t k = 1; k < x.size(); ++k) x[k] -= U[k - 1].transpose() * Part(inverse[k - 1] * x[k - 1]);
@@ -30,9 +30,9 @@ struct ChainFactor {
 [[nodiscard]] ChainFactor factor_chain(const Trajectory& trajectory, const Segment& segment,
                                        const SharedState& state);
 
-/// Eliminates the first `count` states of a system: their L_k^-1. Where there are more states, the next one's
-/// diagonal block is what the eliminated ones leave of it.
-/// @return false: the observations do not determine one of them
+/// Eliminates the first `count` states of a system and stores their L_k^-1. The diagonal block of the next
+/// state, if there is one, is updated to its Schur complement.
+/// @return false if the observations do not determine one of the states
 [[nodiscard]] bool eliminate_states(ChainSystem& system, std::size_t count,
                                     std::pmr::vector<NodeBlock>& inverse);
 

@@ -10,18 +10,19 @@
 
 namespace octant {
 
-/// Horizontal protection levels [m] along a drive that was smoothed, one for each instant: the drive is held
-/// against what it would be without each of its beacons (solution separation, as separation.h has it for one
-/// fix). With H_i and g_i the information and gradient of all states without the arrivals of beacon i,
+/// Horizontal protection levels [m] along a smoothed drive, one for each instant. The drive is compared with
+/// the drive without each of its beacons (solution separation, see separation.h for a single fix). With
+/// information H_i and gradient g_i of all states without the arrivals of beacon i,
 ///   shift = -H_i^-1 g_i
-/// whatever those arrivals are off by, and for however long, the drive without them is not. Linear, from
-/// where the drive was solved: shifts count up to some decimetres.
+/// The drive without these arrivals does not depend on their errors or on the duration of a fault. The shift
+/// is linearised at the solution, which is valid up to some decimetres.
 class DriveSeparation {
  public:
-  /// @param instants  in order of nodes; they and what follows outlive this
-  /// @param widened  by how much the calibration's part widens the variance at each instant: the drive
-  /// without a beacon is widened too
-  /// @param dof  of a pose
+  /// All arguments must outlive this object.
+  /// @param instants  in order of nodes
+  /// @param widened  factor by which the calibration increases the variance at each instant; it also applies
+  /// to the drive without a beacon
+  /// @param dof  degrees of freedom of a pose
   DriveSeparation(std::span<const DriveInstant> instants, const std::vector<double>& widened, int dof)
       : instants_(instants),
         widened_(widened),
@@ -29,12 +30,12 @@ class DriveSeparation {
         worst_m_(instants.size()),
         bounded_(instants.size(), 1) {}
 
-  /// The drive without a beacon, to be solved before levels are asked for.
+  /// Problem of the drive without a beacon. Solve it before asking for levels.
   [[nodiscard]] ChainVariant without(BeaconId beacon);
 
-  /// 0 where the drive lies six sigmas off that without one of the beacons: that one, or those that were
-  /// left, are at fault.
-  /// @param variance_m2  horizontal, of the drive with all its beacons
+  /// Returns 0 if the drive deviates by six sigmas from that without one of the beacons: either that beacon
+  /// or the remaining ones are faulty.
+  /// @param variance_m2  horizontal variance of the drive with all its beacons
   [[nodiscard]] double level_m(std::size_t instant, double variance_m2) const;
 
  private:

@@ -12,19 +12,20 @@
 namespace octant {
 namespace {
 
-/// One variant, of a window at a time.
+/// Solves one variant, one window at a time.
 class VariantSolver {
  public:
   VariantSolver(const ChainVariant& variant, const Trajectory& t, std::size_t windows)
       : variant_(variant), n_(t.block_size()), errors_(variant.columns), entering_(windows) {
     entering_[0].D = NodeBlock::Zero(n_, n_);
-    // What no arrival tells of the attitude (a single antenna's about a straight path) is any angle.
+    // The attitude may be unobserved, as for a single antenna on a straight path. It then gets the variance
+    // of an unknown angle.
     if (t.motion == Motion::kSpatial) add_vague_angles(t.motion, entering_[0].D);
     entering_[0].x = ChainWindow::Matrix::Zero(n_, variant.columns);
   }
   [[nodiscard]] bool is_determined() const { return is_determined_; }
 
-  /// @param behind  whether there is a state behind the window's
+  /// @param behind  true if there is a state behind the window
   void begin(std::size_t index, std::size_t first_node, std::size_t last_node, bool behind) {
     index_ = index;
     window_.first_node = first_node;
@@ -56,7 +57,7 @@ class VariantSolver {
   void pass_on() {
     if (is_determined_) entering_[index_ + 1] = {system_.D.back(), solution(own())};
   }
-  /// From what is known of the state behind the window, or that there is none.
+  /// Back substitution, starting from the state behind the window if there is one.
   void substitute() {
     window_.marginal.resize(system_.D.size());
     window_.cross.resize(system_.D.size() - 1);
@@ -80,7 +81,7 @@ class VariantSolver {
   void visit() const { variant_.visit(window_); }
 
  private:
-  /// What the states before a window leave of its first.
+  /// Schur complement of the states before a window on its first state.
   struct Entering {
     NodeBlock D;
     ChainWindow::Matrix x;
@@ -104,7 +105,7 @@ class VariantSolver {
   ChainWindow::Matrix solution_behind_;
 };
 
-/// The components of both nodes of an instant and their shares.
+/// Components of the two nodes of an instant, with their weights.
 struct Between {
   std::size_t k = 0;
   double alpha = 0.0;
@@ -142,7 +143,7 @@ std::vector<bool> solve_by_windows(const Trajectory& t, const Segment& segment, 
     const std::size_t first = segment.first_node + index * window_nodes,
                       last = std::min(first + window_nodes, segment.last_node);
     for (VariantSolver& solver : solvers) solver.begin(index, first, last, last < segment.last_node);
-    // Up to the observations between its last state and the one behind it.
+    // Includes the observations between its last state and the next one.
     for_each_row(t, stretch_of(t, segment, first, last + 1), state, [&](const ObservationRow& row) {
       for (VariantSolver& solver : solvers) solver.add(row);
     });

@@ -13,11 +13,11 @@ ArrivalRange arrival_range(const Arrival& arrival, const Deployment& deployment)
   ArrivalRange out;
   const bool two_way = deployment.timing.ranging == Ranging::kTwoWay;
   const double legs = deployment.timing.legs();
-  // Chang eq. 2 where the medium's model is linear_temperature.
+  // Chang eq. 2 if the model of the medium is linear_temperature.
   out.speed_mps =
       deployment.speed_mps(std::isfinite(arrival.temperature_degC) ? arrival.temperature_degC
                                                                    : deployment.medium.temperature_degC);
-  // Chang eq. 1; the t of Thamma eq. 4.
+  // Chang eq. 1; the time t of Thamma eq. 4.
   const double flight_s = arrival.tof_s - deployment.beacons[arrival.beacon.index()].delay_s -
                           deployment.receivers[arrival.receiver.index()].delay_s -
                           (two_way ? deployment.timing.turnaround_s : 0.0);
@@ -31,13 +31,14 @@ ArrivalRange arrival_range(const Arrival& arrival, const Deployment& deployment)
   const AttenuationModel& a = *deployment.attenuation;
   const double log_gain = std::log(deployment.beacons[arrival.beacon.index()].gain);
   const double share = a.threshold_v / arrival.amplitude_v;
-  if (!a.measures(arrival.amplitude_v) || !(share < 1.0)) {  // not logged, or (noise) not above the threshold
+  if (!a.measures(arrival.amplitude_v) ||
+      !(share < 1.0)) {  // not logged, or noise that is not above the threshold
     const TimedRange range = range_with_walk({flight_s, out.speed_mps, legs}, a, log_gain);
     out.range_m = range.range_m;
     out.gain_mps = range.by_time_mps;
     out.sigma_m = out.gain_mps * tof_sigma_s;
     if (a.directional() &&
-        deployment.receivers[arrival.receiver.index()].axis)  // from where is not known here
+        deployment.receivers[arrival.receiver.index()].axis)  // the direction of the beacon is not known here
       out.sigma_m = std::hypot(out.sigma_m, out.gain_mps * off_axis_walk_sigma_s(out.range_m, a, log_gain));
     return out;
   }

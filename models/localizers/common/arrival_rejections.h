@@ -10,12 +10,12 @@
 
 namespace octant {
 
-/// Of a segment's arrivals from a beacon, or from all (no beacon), those marked `from` are marked `to`.
-/// Returns whether there were any.
+/// Changes the mark `from` to `to` for a segment's arrivals of one beacon, or of all if the beacon is
+/// invalid. Returns true if there were any.
 bool set_rejections(Trajectory& trajectory, const Segment& segment, BeaconId beacon, Rejection from,
                     Rejection to);
 
-/// Puts the rejections of arrivals [first, last) into a fix, and how many of them are in use.
+/// Writes the rejections of arrivals [first, last) and the number of used arrivals into a fix.
 void report_arrivals(const Trajectory& trajectory, std::size_t first, std::size_t last, Fix& fix);
 
 }  // namespace octant

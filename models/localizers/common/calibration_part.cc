@@ -11,8 +11,8 @@
 namespace octant {
 namespace {
 
-/// Parameters may be known far less well than what a fix needs of them together: then nearly all of C
-/// cancels, and what rounding leaves may be below zero, where no variance is.
+/// Removes negative eigenvalues that rounding leaves. Parameters may be known far less well than the
+/// combination that a fix depends on, and then nearly all of C cancels.
 PoseCovariance positive(const PoseCovariance& part, const PoseCovariance& covariance) {
   if (Eigen::LLT<PoseCovariance>(covariance + part).info() == Eigen::Success) return part;
   const Eigen::SelfAdjointEigenSolver<PoseCovariance> eigen(part);
@@ -37,7 +37,8 @@ void CalibrationPart::add_to(PoseCovariance& covariance, const Trajectory& t, co
   if (C.rows() == 0) return;
   const int n = t.block_size(), dof = pose_dof(t.motion);
   NodeBlock D = NodeBlock::Zero(n, n);
-  // Column by column of G, and only those that the segment touches: a fix hears a few beacons of many.
+  // Computes G by columns, only for the parameters that the segment depends on, because a fix uses a few of
+  // many beacons.
   std::pmr::vector<NodeVector> G(scratch());
   std::pmr::vector<int> touched(scratch()), place(static_cast<std::size_t>(C.cols()), -1, scratch());
   for_each_row(t, segment, state, [&](const ObservationRow& row) {
@@ -52,7 +53,7 @@ void CalibrationPart::add_to(PoseCovariance& covariance, const Trajectory& t, co
       G[static_cast<std::size_t>(where)] += derivative * row.by_node.transpose();
     });
   });
-  // Rotations that nothing observes are as unknown as an angle can be.
+  // Unobserved rotations get the variance of an unknown angle.
   add_vague_angles(t.motion, D);
   const ObservedState<NodeBlock> observed(D);
   if (!observed.all()) return;

@@ -15,23 +15,23 @@
 
 namespace octant {
 
-/// The part of a fix's uncertainty that comes from the calibration and does not average out: with C the joint
-/// covariance of the calibrated parameters, D the information of the state and G its coupling to them,
+/// Contribution of the calibration to the uncertainty of a fix, which does not average out. With the joint
+/// covariance C of the calibrated parameters, the information D of the state and the coupling G between both,
 ///   P = D^-1 + D^-1 G C G' D^-1
-/// `chain_calibration.h` has the same for the states of a drive, `drive_filter.h` for a filter.
+/// See chain_calibration.h for the states of a drive and drive_filter.h for a filter.
 class CalibrationPart {
  public:
   explicit CalibrationPart(const Deployment& deployment);
 
-  /// Adds the second term to the covariance of a fix whose state the segment holds; no change where nothing
-  /// is stated.
+  /// Adds the second term to the covariance of a fix, for the state in the segment. Has no effect without
+  /// calibration uncertainty.
   void add_to(PoseCovariance& covariance, const Trajectory& trajectory, const Segment& segment,
               const SharedState& state) const;
 
-  /// C; empty where nothing is stated.
+  /// Joint covariance C; empty if the deployment has none.
   [[nodiscard]] const Eigen::MatrixXd& covariance() const { return covariance_; }
 
-  /// Calls visit(column of C, derivative) for every calibrated parameter on which an observation depends.
+  /// Calls visit(column of C, derivative) for every calibrated parameter that an observation depends on.
   template <class Visitor>
   void for_each_coupling(const ObservationRow& row, Visitor&& visit) const {
     if (!row.has_shared) return;
@@ -51,8 +51,8 @@ class CalibrationPart {
     couple(speed_, row.by(kBySpeed));
   }
 
-  /// Calls visit(column of C) for every calibrated parameter on which arrivals at a receiver, or bearings
-  /// (none) of a beacon may depend.
+  /// Calls visit(column of C) for every calibrated parameter that arrivals of a beacon at a receiver may
+  /// depend on, or bearings of a beacon (invalid receiver).
   template <class Visitor>
   void for_each_parameter(BeaconId beacon, ReceiverId receiver, Visitor&& visit) const {
     const auto stated = [&visit](std::span<const int> columns) {
@@ -69,7 +69,7 @@ class CalibrationPart {
  private:
   Eigen::MatrixXd covariance_;
   std::vector<std::array<int, 4>> beacon_,
-      receiver_;  ///< columns of x, y, z, delay in the joint covariance; -1: not in it
+      receiver_;  ///< columns of x, y, z and delay in the joint covariance; -1: fixed parameter
   int site_delay_ = -1, speed_ = -1;
   std::array<int, kAttenuationUnknowns> attenuation_ = {-1, -1, -1, -1};
 };

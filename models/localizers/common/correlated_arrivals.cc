@@ -43,7 +43,7 @@ void CorrelatedArrivals::weigh() {
   std::pmr::vector<double> shared(scratch());
   for (std::size_t first = 0, last = 0; first < by_pair_.size(); first = last) {
     while (last < by_pair_.size() && same_pair(by_pair_[first], by_pair_[last])) ++last;
-    // sum over the others of exp(-|dt| / time_s): those before by one recursion, those after by another.
+    // Sum of exp(-|dt| / time_s) over the other arrivals, by one recursion forwards and one backwards.
     shared.assign(last - first, 0.0);
     double used = 0.0;
     const auto sweep = [&](auto begin, auto end) {
@@ -64,8 +64,8 @@ void CorrelatedArrivals::weigh() {
                end = by_pair_.begin() + static_cast<std::ptrdiff_t>(last);
     sweep(begin, end);
     sweep(std::make_reverse_iterator(end), std::make_reverse_iterator(begin));
-    // At one place the mean of a pair's arrivals is what counts, and they see it alike: one weight for all of
-    // them.
+    // At one place the mean of a pair's arrivals counts and all have the same geometry, so they share one
+    // weight.
     double mean = 0.0;
     for (const double s : shared) mean += s / std::max(used, 1.0);
     for (std::size_t i = first; i < last; ++i) {

@@ -10,27 +10,27 @@
 
 namespace octant {
 
-/// The noise of a deployment's arrivals with a bias of a pair that the site states and one that calibration
-/// found as one.
+/// Correlated noise of a deployment's arrivals. The constant bias of a pair combines the value of the site
+/// file with that found by calibration.
 [[nodiscard]] CorrelatedNoise correlated_noise(const Deployment& deployment);
-/// Standard deviation of a single arrival: white, correlated and of its pair together [s].
+/// Standard deviation of a single arrival: white and correlated noise and the bias of its pair [s].
 [[nodiscard]] double single_arrival_sigma_s(const Deployment& deployment);
 
-/// The sigmas of a segment's arrivals as weights of a least-squares estimate that counts them as independent.
-/// With rho = exp(-dt / time_s) the errors of one pair are correlated, so that n of them say less than n;
-/// each gets the variance
-///   sigma^2 + sigma_s^2 (sum over the pair's others of rho) + pair_sigma_s^2 (number of the pair's others),
-/// whose mean over n has the variance of the mean of the correlated ones where they see the state from the
-/// same side. Along a drive the side changes; there a pair's lasting bias is counted by
-/// `add_drive_calibration` and not here. Gates stay those of a single arrival.
+/// Sigmas for a least-squares estimate that treats correlated arrivals as independent. The errors of one pair
+/// are correlated with rho = exp(-dt / time_s), so n of them carry less information than n independent ones.
+/// Each gets the variance
+///   sigma^2 + sigma_s^2 (sum over the pair's others of rho) + pair_sigma_s^2 (number of the pair's others)
+/// The mean of n such arrivals has the variance of the mean of the correlated ones if they observe the state
+/// from the same side. Along a drive the side changes; there `add_drive_calibration` accounts for a pair's
+/// constant bias, not this class. Gates use the sigma of a single arrival.
 class CorrelatedArrivals {
  public:
   enum class Side { kSame, kChanging };
   CorrelatedArrivals(Trajectory& trajectory, const Segment& segment, const CorrelatedNoise& noise, Side side);
 
-  /// Sets the weights by the arrivals that are in use now.
+  /// Sets the sigmas for the arrivals that are currently in use.
   void weigh();
-  /// Sets the sigmas of single arrivals again.
+  /// Restores the sigmas of single arrivals.
   void restore();
 
  private:
@@ -40,7 +40,7 @@ class CorrelatedArrivals {
   Side side_;
   std::pmr::vector<double> single_s_{scratch()};
   std::pmr::vector<std::size_t> by_pair_{
-      scratch()};  ///< arrivals, those of a pair together, in the order of time
+      scratch()};  ///< indices of arrivals, grouped by pair, in order of time
 };
 
 }  // namespace octant

@@ -13,7 +13,7 @@ std::vector<Arrival> arrivals_of_counters(std::span<const CounterReading> readin
     const CounterReading* first;
     std::vector<double> time_s;
   };
-  // What belongs together is told by the epoch, or by the time where there are none.
+  // Values are grouped by epoch, or by time if there are no epochs.
   using Key = std::tuple<std::int64_t, double, BeaconId, ReceiverId>;
   std::map<Key, std::size_t> group_of;
   std::vector<Group> groups;

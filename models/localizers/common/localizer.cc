@@ -16,11 +16,11 @@ bool is_known(const Arrival& a, std::size_t beacons, std::size_t receivers) {
          a.receiver.index() < receivers;
 }
 
-/// NaN is what drivers write when nothing came; every method leaves it out itself.
+/// NaN is accepted here: drivers write it when there was no signal, and every method ignores it.
 bool is_possible(const Arrival& a) { return !(std::abs(a.tof_s) > kLargestTof_s); }
 bool is_possible(const Bearing&) { return true; }
 
-/// An unlabelled bearing is known; whose it is, is found out.
+/// An unlabelled bearing counts as known; its reflector is identified later.
 bool is_known(const Bearing& b, std::size_t beacons) {
   return !b.reflector.valid() || b.reflector.index() < beacons;
 }
@@ -47,7 +47,8 @@ void Localizer::locate(const Observations& observations, Fix& fix) noexcept {
   keep(observations.bearings, known_bearings_);
   locate_known(Observations{known_arrivals_, known_bearings_}, fix);
 
-  // One entry a row again, from behind, so that none is overwritten before it has moved.
+  // Expands the rejections to one entry for each original row. Goes backwards, so that no entry is
+  // overwritten before it has moved.
   const auto spread = [&](const auto& rows, std::size_t kept) {
     if (fix.rejections.size() == kept && (kept > 0 || fix.ok())) {
       fix.rejections.resize(rows.size());

@@ -16,14 +16,14 @@
 
 namespace octant {
 
-/// What one pose of one vehicle is fixed from: the arrivals and bearings of an epoch, in the order of the
-/// run.
+/// Observations that one pose of one vehicle is computed from: arrivals and bearings of an epoch, in the
+/// order of the run.
 struct Observations {
   std::span<const Arrival> arrivals;
   std::span<const Bearing> bearings;
 };
 
-/// Makes a fix a new one without giving its memory back.
+/// Resets a fix and keeps its allocated memory.
 inline void clear(Fix& fix) {
   std::vector<Rejection> rejections = std::move(fix.rejections);
   rejections.clear();
@@ -31,8 +31,8 @@ inline void clear(Fix& fix) {
   fix.rejections = std::move(rejections);
 }
 
-/// Sets instant (the middle row's), vehicle and epoch of a fix from the arrivals or bearings given, and all
-/// else as if nothing were known.
+/// Sets time (of the middle row), vehicle and epoch of a fix from the given arrivals or bearings, and resets
+/// everything else.
 template <class Row>
 void begin_fix(std::span<const Row> rows, Fix& fix) {
   clear(fix);
@@ -42,24 +42,25 @@ void begin_fix(std::span<const Row> rows, Fix& fix) {
   fix.time_s = rows[rows.size() / 2].time_s;
 }
 
-/// Counts what a fix's rejections leave in use.
+/// Counts the used and rejected observations of a fix.
 inline void count_rejections(Fix& fix) {
   fix.arrivals_used = static_cast<int>(std::ranges::count(fix.rejections, Rejection::kUsed));
   fix.arrivals_rejected = static_cast<int>(fix.rejections.size()) - fix.arrivals_used;
 }
 
-/// A way of finding a vehicle, constructed from a `Deployment`. All memory is taken at construction: a call
-/// allocates nothing once `fix` has held a fix of as many arrivals, throws nothing, and ends in bounded time.
-/// What cannot be fixed is a fix with the reason in its status, never NaN. Ids and times of flight may be
-/// any: what is none of the deployment's, and what is beyond kLargestTof_s, is left out before a method sees
-/// it (Rejection::kUnknownId, kOutOfRange; room for it may then be taken).
+/// Interface of the localization methods, constructed from a `Deployment`. All memory is allocated at
+/// construction. A call does not allocate if `fix` has been used for as many arrivals before. It does not
+/// throw and its time is bounded. Without a pose, the fix has the reason in its status; it is never NaN. Ids
+/// and times of flight may have any value: rows with ids outside the deployment, or times beyond
+/// kLargestTof_s, are removed before the method runs (Rejection::kUnknownId, kOutOfRange). This case may
+/// allocate.
 class Localizer {
  public:
   virtual ~Localizer() = default;
 
-  /// Overwrites `fix`, reusing its memory; `fix.rejections` gets one entry an arrival (an entry a bearing
-  /// where the method takes bearings alone). Methods that keep a state (where the vehicle was) update it only
-  /// when the fix is kOk.
+  /// Overwrites `fix` and reuses its memory. `fix.rejections` gets one entry for each arrival, or for each
+  /// bearing if the method uses bearings only. Methods with a state, such as the previous position, update it
+  /// only when the fix is kOk.
   void locate(const Observations& observations, Fix& fix) noexcept;
 
   [[nodiscard]] Fix locate(const Observations& observations) {
@@ -69,7 +70,7 @@ class Localizer {
   }
 
  protected:
-  /// Which observations `fix.rejections` has an entry for.
+  /// Observations that the entries of `fix.rejections` refer to.
   enum class RejectionsOf { kArrivals, kBearings };
   explicit Localizer(const Deployment& deployment, RejectionsOf rejections_of = RejectionsOf::kArrivals)
       : beacons_(deployment.beacons.size()),
@@ -79,7 +80,7 @@ class Localizer {
   Localizer& operator=(const Localizer&) = default;
 
  private:
-  /// The method: every beacon, receiver and labelled reflector is the deployment's.
+  /// Computes the fix. All beacons, receivers and labelled reflectors belong to the deployment.
   virtual void locate_known(const Observations& observations, Fix& fix) noexcept = 0;
   [[nodiscard]] bool knows(const Arrival& arrival) const noexcept;
   [[nodiscard]] bool knows(const Bearing& bearing) const noexcept;
@@ -90,23 +91,23 @@ class Localizer {
   std::vector<Bearing> known_bearings_;
 };
 
-/// Beacons of a deployment that localizers use.
+/// Number of beacons that localizers may use.
 [[nodiscard]] std::size_t usable_beacons(const Deployment& deployment);
 
-/// Why a method does not fit a deployment, in words that begin with its name.
+/// Builds errors that explain why a method does not suit a deployment, beginning with the method's name.
 class MisfitOf {
  public:
   explicit MisfitOf(const char* method) : method_(method) {}
   [[nodiscard]] tl::unexpected<Error> operator()(const std::string& found, std::string expected) const;
-  /// The misfit of a method that needs motion in the plane and synchronised clocks, if there is one.
+  /// Error if the method needs planar motion and synchronised clocks and the deployment lacks one of them.
   [[nodiscard]] Result<void> in_the_plane(const Deployment& deployment) const;
 
  private:
   const char* method_;
 };
 
-/// The rows of a log whose beacons and receivers are the deployment's and whose times are possible: the log
-/// itself, or what is left of it, in `room`.
+/// Rows of a log with known beacons and receivers and with possible times. Returns the log itself if all rows
+/// qualify, else a filtered copy in `room`.
 [[nodiscard]] const MeasurementLog& known_rows(const MeasurementLog& log, const Deployment& deployment,
                                                MeasurementLog& room);
 

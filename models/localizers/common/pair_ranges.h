@@ -12,34 +12,34 @@
 
 namespace octant {
 
-/// Distance between a beacon and a receiver in one epoch: the mean of what the arrivals between them say.
+/// Distance between a beacon and a receiver in one epoch: mean of the agreeing arrivals between them.
 struct PairRange {
   BeaconId beacon;
   ReceiverId receiver;
-  double range_m = 0.0;     ///< slant
-  double sigma_m = 0.0;     ///< of the mean's noise, the pair's own bias included
-  double gain_mps = 0.0;    ///< range per second, see ArrivalRange
-  double by_speed_s = 0.0;  ///< range per m/s of speed
+  double range_m = 0.0;     ///< slant range
+  double sigma_m = 0.0;     ///< noise of the mean, including the bias of the pair
+  double gain_mps = 0.0;    ///< derivative by the time of flight, see ArrivalRange
+  double by_speed_s = 0.0;  ///< derivative by the speed
   int arrivals = 0;
 };
 
 struct PairRangesOptions {
-  RangeGates gates{};  ///< Chang's two rules
-  /// Widest spread of repeated times of a pair, in standard deviations of one. The range of four normal
-  /// variables stays below 5.3 of them with 99.9 %.
+  RangeGates gates{};  ///< rules 1 and 2 of Chang
+  /// Largest spread of repeated times of a pair, in sigmas of one of them. The range of four normal variables
+  /// is below 5.3 sigmas with a probability of 99.9 %.
   double spread_sigmas = 6.0;
 };
 
-/// Turns an epoch's arrivals into one range for each pair of beacon and receiver: undetermined beacons,
-/// gates, mean of the repeated times without the odd ones out. Beacons in their order, and receivers in
-/// theirs for each.
+/// Combines the arrivals of an epoch into one range for each pair of beacon and receiver: removes
+/// undetermined beacons, applies gates, and averages repeated times without outliers. Ranges are ordered by
+/// beacon, then by receiver.
 class PairRanges {
  public:
   explicit PairRanges(const Deployment& deployment, PairRangesOptions options = {});
 
-  /// Overwrites `rejections`, one an arrival: kUsed, kBeaconUnusable, kOutOfRange, kReflection, kOutvoted,
-  /// kNoPose (of another vehicle than the first arrival). What is returned lives until the next call.
-  /// Allocates nothing while there are at most kRoom arrivals for each pair, unless `rejections` has to grow.
+  /// Returns the ranges, valid until the next call. Overwrites `rejections`, one for each arrival: kUsed,
+  /// kBeaconUnusable, kOutOfRange, kReflection, kOutvoted, or kNoPose (another vehicle than that of the first
+  /// arrival). Does not allocate for up to kRoom arrivals of each pair, unless `rejections` has to grow.
   [[nodiscard]] std::span<PairRange> collect(std::span<const Arrival> arrivals, const Deployment& deployment,
                                              std::vector<Rejection>& rejections) noexcept;
 
@@ -52,23 +52,24 @@ class PairRanges {
                std::size_t slot);
 
   struct Slot {
-    int first = -1, last = -1;  ///< arrivals of the pair, a list through next_
+    int first = -1, last = -1;  ///< linked list of the pair's arrivals, through next_
   };
   PairRangesOptions options_;
   std::size_t receivers_ = 0;
-  std::vector<Slot> slots_;  ///< beacon by beacon, receiver by receiver
+  std::vector<Slot> slots_;  ///< ordered by beacon, then by receiver
   std::vector<GatedArrival> gated_;
-  std::vector<PairRange> single_;  ///< of each arrival
+  std::vector<PairRange> single_;  ///< range of each arrival
   std::vector<int> next_;
   std::vector<double> values_;
   std::vector<PairRange> pairs_;
 };
 
-/// Marks the arrivals of a pair that are kUsed with a reason.
+/// Rejects all arrivals of a pair that are still in use.
 void reject_pair(std::span<const Arrival> arrivals, const PairRange& pair, Rejection reason,
                  std::span<Rejection> rejections);
 
-/// Closes a fix: counts of used and rejected arrivals; no rejections where there is no fix.
+/// Completes a fix: sets its status, counts used and rejected arrivals, and clears the rejections if there is
+/// no fix.
 void end_fix(FixStatus status, Fix& fix);
 
 }  // namespace octant

@@ -11,7 +11,7 @@
 namespace octant {
 namespace {
 
-using ByCalibration = Eigen::Matrix<double, 1, 5>;  ///< beacon's x, y, z, delay; speed
+using ByCalibration = Eigen::Matrix<double, 1, 5>;  ///< x, y, z and delay of the beacon; speed
 
 double common_variance(BeaconId beacon, const ByCalibration& by, const BeaconErrors& errors) {
   double common = std::pow(by[3] * errors.common_sigma_s, 2);
@@ -38,7 +38,7 @@ void add_planar_rows(const Trajectory& t, const Segment& segment, const SharedSt
   }
 }
 
-/// Sums by beacon and of all rows.
+/// Sums over all rows, and over those of each beacon.
 BeaconSums sums_of(const Trajectory& t, const Segment& segment, const SharedState& state,
                    const BeaconErrors& errors) {
   BeaconSums sums(t.block_size());
@@ -54,7 +54,7 @@ BeaconSums sums_of(const Trajectory& t, const Segment& segment, const SharedStat
     by << row.by_beacon, row.by(kByDelay), row.by(kBySpeed);
     sums.add(row.beacon, row.by_node, row.residual, common_variance(row.beacon, by, errors));
   });
-  // A rotation that nothing tells is as unknown as an angle can be, and takes no part.
+  // An undetermined rotation gets the variance of an unknown angle and does not affect the position.
   for (int i = first_turn(t.motion); i < pose_dof(t.motion); ++i) sums.add_information(i, kVagueAngle);
   return sums;
 }

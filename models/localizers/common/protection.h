@@ -12,25 +12,24 @@
 
 namespace octant {
 
-/// What the arrivals of a beacon may be off together without a fault: a misfit may have that of its own.
+/// Errors that the arrivals of a fault-free beacon may have in common. They explain a part of its misfit.
 struct BeaconErrors {
-  /// What the calibration of each beacon may be off: x, y, z [m], delay [s] and the speed [m/s]. Empty: it is
-  /// exact.
+  /// Calibration covariance of each beacon's x, y, z [m], delay [s] and the speed [m/s]. Empty: exact.
   std::span<const Eigen::Matrix<double, 5, 5>> calibration;
-  /// Sigma of errors that last beyond an arrival (noise.correlated). They are stated for a pair of beacon and
-  /// receiver, but come from the path, and receivers side by side share that.
+  /// Sigma of errors that persist over several arrivals (noise.correlated). It is specified for a pair of
+  /// beacon and receiver, but the errors arise along the path, which neighbouring receivers share.
   double common_sigma_s = 0.0;
 };
 
-/// Separation of each beacon in use, at the state that the segment's node holds.
+/// Separation of each beacon in use, at the state of the segment's node.
 [[nodiscard]] std::pmr::vector<BeaconSeparation> separations(const Trajectory& trajectory,
                                                              const Segment& segment, const SharedState& state,
                                                              const BeaconErrors& errors);
 
-/// The level and whether a beacon is at fault: its misfit is beyond the chi-square quantile of six sigmas, a
-/// chance of 1e-9.
-/// @param covariance  of the fix, calibration's part included: by as much as that widens the noise's, the fix
-/// without a beacon is widened too
+/// Protection level, and the faulty beacon if there is one: its misfit exceeds the chi-square quantile that
+/// corresponds to six sigmas, a probability of 1e-9.
+/// @param covariance  covariance of the fix including the calibration. The fix without a beacon is inflated
+/// by the ratio of this covariance to that of the noise.
 [[nodiscard]] Protection protection_of(const Trajectory& trajectory, const Segment& segment,
                                        const SharedState& state, const PoseCovariance& covariance,
                                        const BeaconErrors& errors);

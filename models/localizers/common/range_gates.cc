@@ -7,8 +7,7 @@
 namespace octant {
 namespace {
 
-/// How far the later of two signals is behind the earlier, as a length; infinite where it is not an echo of
-/// it.
+/// Distance of the later of two signals behind the earlier one; infinite if it cannot be an echo of it.
 double distance_behind_m(const GatedArrival& earlier, const GatedArrival& later, double speed_mps) {
   if (later.heard_s > earlier.heard_s) return speed_mps * (later.heard_s - earlier.heard_s);
   const double behind_m = later.range_m - earlier.range_m;
@@ -43,7 +42,7 @@ void reject_reflections(std::span<const GatedArrival> arrivals, double min_m, do
     bool echo = false;
     for (std::size_t j = i; j-- > 0 && !echo && speed_mps * (later.heard_s - arrivals[j].heard_s) < min_m;)
       echo = is_echo_of(j);
-    // Rows of one instant stand in any order: the earlier signal may be below.
+    // Rows with equal times are unordered, so the earlier signal may come later in the list.
     for (std::size_t j = i + 1; j < arrivals.size() && !echo && arrivals[j].heard_s == later.heard_s; ++j)
       echo = is_echo_of(j);
     if (echo) rejections[i] = Rejection::kReflection;

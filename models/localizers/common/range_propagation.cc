@@ -23,7 +23,7 @@ Sight sight_of(const Pose& T_map_vehicle, BeaconId beacon, ReceiverId receiver,
 double calibration_variance_m2(const PairRange& pair, const Deployment& deployment) {
   const DeploymentBeacon& beacon = deployment.beacons[pair.beacon.index()];
   const DeploymentReceiver& receiver = deployment.receivers[pair.receiver.index()];
-  // The mean over directions: which it is, is not known yet.
+  // Mean over all directions, because the direction is not known yet.
   return 0.5 * beacon.covariance_m2.topLeftCorner<2, 2>().trace() +
          0.5 * receiver.sigma_m.head<2>().squaredNorm() + square(pair.gain_mps * beacon.delay_sigma_s) +
          square(pair.gain_mps * receiver.delay_sigma_s) +

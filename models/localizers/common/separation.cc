@@ -27,7 +27,7 @@ BeaconSeparation BeaconSums::separation(const OfBeacon& of) const {
   const NodeVector shift = P * (of.sum.g - all_.g);
   out.shift_m = shift.head<2>().norm();
   out.variance_m2 = horizontal_variance(P);
-  // Errors that are common to its arrivals stretch the misfit by at most this.
+  // Errors that are common to its arrivals increase the misfit by at most this factor.
   out.misfit = (of.sum.squares + of.sum.g.dot(P * of.sum.g)) / (1.0 + of.sum.common);
   return out;
 }

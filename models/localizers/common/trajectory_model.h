@@ -7,7 +7,7 @@
 
 namespace octant {
 
-/// What the states of a run have to know of a deployment.
+/// Properties of a deployment that the states of a run depend on.
 [[nodiscard]] TrajectoryModel trajectory_model(const Deployment& deployment);
 
 }  // namespace octant

@@ -18,7 +18,7 @@ Eigen::Vector2d lever(const Deployment& d, ReceiverId receiver) {
   return d.receivers[receiver.index()].position_m.head<2>();
 }
 
-/// Head and tail of a vehicle: by name, or the first two receivers.
+/// Receivers at head and tail of a vehicle: by name, or the first two.
 std::array<ReceiverId, 2> ends_of(const Deployment& d, const SiteVehicle& vehicle) {
   std::array<ReceiverId, 2> named;
   for (std::size_t i = vehicle.first_receiver; i < vehicle.first_receiver + vehicle.receiver_count; ++i) {
@@ -38,11 +38,11 @@ bool apart(const Deployment& d, const std::array<ReceiverId, 2>& ends) {
 
 double head_orientation_from_y_rad(const Eigen::Vector2d& head_m, const Eigen::Vector2d& tail_m) {
   const Eigen::Vector2d vector =
-      tail_m - head_m;  // step 1; steps 2 and 4 (unit vector, arccos) are in atan2, at full precision
+      tail_m - head_m;  // step 1; atan2 replaces steps 2 and 4 (unit vector, arccos) at full precision
   const double dot = vector.y();            // step 3: with the y axis
   const double cross_product = vector.x();  // step 5: vector x y axis, along +z where the angle is clockwise
   const double theta = std::atan2(cross_product, dot);
-  return theta < 0 ? theta + kTurn : theta;  // step 6: counter-clockwise ones from 360 degrees
+  return theta < 0 ? theta + kTurn : theta;  // step 6: counter-clockwise angles from 360 degrees
 }
 
 double tail_orientation_from_y_rad(double head_orientation_rad) {
@@ -69,7 +69,7 @@ HeadTail::HeadTail(const Deployment& deployment, HeadTailOptions options)
   }
 }
 
-/// Leaves the farthest station out if it is farther than a new one; the others keep their order.
+/// Removes the farthest station if it is farther than a new one; the others keep their order.
 bool HeadTail::make_room(End& end, double horizontal_m, std::span<const Arrival> arrivals, Fix& fix) const {
   const auto farthest = std::ranges::max_element(end.stations, {}, &StationRange::distance_m);
   if (farthest->distance_m <= horizontal_m) return false;
@@ -81,7 +81,8 @@ bool HeadTail::make_room(End& end, double horizontal_m, std::span<const Arrival>
   return true;
 }
 
-/// The stations that an end hears, slant distances reduced to the horizontal by the known heights.
+/// Collects the stations that an end receives, with slant distances reduced to horizontal ones by the known
+/// heights.
 void HeadTail::gather(std::size_t which, std::span<const Arrival> arrivals, std::span<const PairRange> pairs,
                       Fix& fix) {
   End& end = end_[which];
@@ -96,7 +97,7 @@ void HeadTail::gather(std::size_t which, std::span<const Arrival> arrivals, std:
     const double noise_m = options_.gate_sigmas * std::sqrt(variance_m2);
     const double horizontal2 = (pair.range_m - rise_m) * (pair.range_m + rise_m);
     if (!(horizontal2 >
-          noise_m * pair.range_m)) {  // right below a station its range says nothing of the place
+          noise_m * pair.range_m)) {  // right below a station its range does not determine the position
       const bool impossible = pair.range_m < std::abs(rise_m) - noise_m;
       reject_pair(arrivals, pair, impossible ? Rejection::kEarly : Rejection::kNotNeeded, fix.rejections);
       continue;
@@ -112,7 +113,8 @@ void HeadTail::gather(std::size_t which, std::span<const Arrival> arrivals, std:
   }
 }
 
-/// How well two places are a head and a tail: their stations' residuals, and the known distance between them.
+/// Rates two positions as head and tail, by the residuals of their stations and the known distance between
+/// them.
 HeadTail::Choice HeadTail::rate(const TrianglePoint& head, const TrianglePoint& tail) const {
   const Eigen::Vector2d q = head.p_m - tail.p_m;
   const double length_m =
@@ -156,12 +158,12 @@ FixStatus HeadTail::set_pose(const Choice& choice, Fix& fix) {
   const std::array<Eigen::Vector2d, 2> levers = {lever(deployment_, end_[0].receiver),
                                                  lever(deployment_, end_[1].receiver)};
   const Eigen::Vector2d axis = levers[0] - levers[1];
-  // Section VI gives the direction from tail to head from the y axis; the head need not be ahead of the tail
-  // on +x.
+  // Section VI gives the direction from tail to head from the y axis. In the vehicle frame the head need not
+  // lie on +x from the tail.
   const double towards_head = tail_orientation_from_y_rad(head_orientation_from_y_rad(head, tail)) + M_PI / 2;
   const double heading_rad = wrap_angle(towards_head - std::atan2(axis.y(), axis.x()));
   const Eigen::Rotation2Dd R(heading_rad);
-  // Each end gives the vehicle's place; weights by their information.
+  // Each end gives a position of the vehicle; weights are their information.
   const Eigen::Matrix2d covariance = (choice.head->information + choice.tail->information).inverse();
   const std::array<Eigen::Matrix2d, 2> share = {covariance * choice.head->information,
                                                 covariance * choice.tail->information};
@@ -169,7 +171,7 @@ FixStatus HeadTail::set_pose(const Choice& choice, Fix& fix) {
   const Eigen::Vector2d place = from_head + share[1] * (from_tail - from_head);
   fix.T_map_vehicle = Pose::planar(place.x(), place.y(), heading_rad);
 
-  // By the known distance between the ends: the measured one has noise.
+  // Uses the known distance between the ends, because the measured one is noisy.
   const Eigen::RowVector2d heading_by_head = left_of(q.normalized()).transpose() / axis.norm();
   const Eigen::Vector2d by_heading = -(share[0] * left_of(R * levers[0]) + share[1] * left_of(R * levers[1]));
   propagation_.clear();

@@ -19,41 +19,41 @@ namespace octant {
 /// pi).
 [[nodiscard]] double head_orientation_from_y_rad(const Eigen::Vector2d& head_m,
                                                  const Eigen::Vector2d& tail_m);
-/// Step 7: 180 degrees less that, [0, 2 pi). It is the angle from +y to the vector from tail to head,
-/// counter-clockwise: the vehicle's heading less 90 degrees.
+/// Step 7: 180 degrees minus that angle, [0, 2 pi). It is the angle from +y to the vector from tail to head,
+/// counter-clockwise: the vehicle's heading minus 90 degrees.
 [[nodiscard]] double tail_orientation_from_y_rad(double head_orientation_rad);
 
 struct HeadTailOptions {
-  /// Side of the base line for a vehicle that hears two stations only, or stations in one line: what the
-  /// others would tell.
+  /// Side of the base line for a vehicle that receives only two stations, or stations in one line. Further
+  /// stations would determine the side.
   BaseLineSide side = BaseLineSide::kAny;
   PairRangesOptions ranges{};
-  double min_sine =
-      0.05;  ///< of the angle at the vertex: 0.05 makes a vertex twenty times as uncertain as a range
-  double gate_sigmas = 4.0;  ///< of stations against each other, and of the distance between head and tail
-  double ambiguity_margin = 9.0;  ///< of squared sigmas: a second pose closer than this is as good
-  double max_sigma_m = 1.0;       ///< a larger position sigma is poor geometry
+  double min_sine = 0.05;  ///< smallest sine of the angle at the vertex: at 0.05 a vertex is twenty times as
+                           ///< uncertain as a range
+  double gate_sigmas = 4.0;  ///< for stations among each other, and for the distance between head and tail
+  double ambiguity_margin = 9.0;  ///< in squared sigmas: a second pose within this margin is as good
+  double max_sigma_m = 1.0;       ///< position sigmas above this are poor geometry
   double max_heading_sigma_rad = 0.5;
 };
 
-/// Position and heading of a vehicle with a receiver at its head and one at its tail, from ranges to base
-/// stations at known places (R. Thamma, "Estimating Position and Orientation of an Unmanned Guided Vehicle
-/// with Ultrasound and Radio Frequency Sensing"). A receiver uses the stations it hears, the nearest of them,
-/// so stations may work at different frequencies.
+/// Position and heading of a vehicle with one receiver at its head and one at its tail, from ranges to base
+/// stations at known positions (R. Thamma, "Estimating Position and Orientation of an Unmanned Guided Vehicle
+/// with Ultrasound and Radio Frequency Sensing"). Each receiver uses the stations that it receives, the
+/// nearest ones first, so stations may work at different frequencies.
 ///
-/// For each end: means of the repeated times (eq. 1, 2), distances (eq. 3 to 5), reduced to the receivers'
-/// plane; a triangle with each pair of stations (ten steps), combined by weight. Then the pose: orientation
-/// from head and tail (seven steps), position from both by weight. Two stations leave two mirrored places:
-/// the distance between head and tail rejects mixed pairs, HeadTailOptions::side the mirror image; otherwise
-/// kAmbiguous.
+/// For each end: means of the repeated times (eq. 1, 2); distances (eq. 3 to 5), reduced to the receivers'
+/// plane; one triangle for each pair of stations (ten steps), combined by weight. Then the pose: orientation
+/// from head and tail (seven steps), position as the weighted mean of both. Two stations leave two mirrored
+/// positions. The distance between head and tail excludes mixed pairs, HeadTailOptions::side the mirror
+/// image; otherwise the fix is kAmbiguous.
 ///
-/// Fix: kTooFewArrivals (an end hears fewer than two stations), kPoorGeometry (flat triangles, ends that
-/// coincide), kNoConsensus (sides that make no triangle, stations that disagree, wrong distance between the
+/// Fix: kTooFewArrivals (an end receives fewer than two stations), kPoorGeometry (flat triangles, ends that
+/// coincide), kNoConsensus (sides that form no triangle, stations that disagree, wrong distance between the
 /// ends), kAmbiguous.
 class HeadTail : public Localizer {
  public:
   explicit HeadTail(const Deployment& deployment, HeadTailOptions options = {});
-  /// Pairs of more stations would add time (their number squared), and hardly accuracy.
+  /// More stations would cost time (the square of their number) and hardly add accuracy.
   static constexpr std::size_t kMaxStations = 12;
 
  private:
@@ -67,8 +67,8 @@ class HeadTail : public Localizer {
   struct End {
     ReceiverId receiver;
     std::vector<StationRange> stations;
-    std::vector<PairRange> pairs;  ///< behind the stations
-    std::vector<double> by_slant;  ///< horizontal by slant distance
+    std::vector<PairRange> pairs;  ///< index of each station's range
+    std::vector<double> by_slant;  ///< ratio of horizontal to slant distance
     TriangleSolver solver;
   };
   [[nodiscard]] FixStatus fix_pose(std::span<const Arrival> arrivals, Fix& fix);
@@ -82,14 +82,14 @@ class HeadTail : public Localizer {
 
   Deployment deployment_;
   HeadTailOptions options_;
-  std::vector<Ends> ends_;  ///< of each vehicle; not valid: it has none
+  std::vector<Ends> ends_;  ///< ends of each vehicle; not valid if it has none
   PairRanges ranges_;
   RangePropagation propagation_;
   std::array<End, 2> end_;
 };
 
-/// Whether a deployment suits HeadTail: planar, synchronised clock, two usable base stations, a vehicle with
-/// two receivers apart (the first is the head, or they are named head and tail).
+/// Checks that a deployment suits HeadTail: planar motion, synchronised clock, two usable base stations, and
+/// a vehicle with two separate receivers (the first is the head, unless they are named head and tail).
 [[nodiscard]] Result<void> head_tail_fits(const Deployment& deployment);
 
 }  // namespace octant

@@ -16,69 +16,70 @@
 
 namespace octant {
 
-/// Side of the line from the first receiver to the second on which the beacons are. Two ranges leave both;
-/// Chang chooses "the solutions which include a positive y_br", the left, where the transducers look.
+/// Side of the beacons relative to the line from the first receiver to the second. Two ranges allow both
+/// sides; Chang chooses "the solutions which include a positive y_br", the left, which the transducers face.
 enum class Facing { kLeft, kRight, kEither };
 
-/// Chang eq. 4: place of a beacon in the frame of a robot with receiver No. 1 at (-a, 0) and No. 2 at (a, 0);
-/// left: y_br >= 0.
-/// @param L1_m, L2_m  horizontal distances  @return nothing where the circles do not meet or a is zero
+/// Chang eq. 4: position of a beacon in the frame of a robot with receiver No. 1 at (-a, 0) and No. 2 at (a,
+/// 0); left: y_br >= 0.
+/// @param L1_m, L2_m  horizontal distances  @return no value if the circles do not meet or a is zero
 [[nodiscard]] std::optional<Eigen::Vector2d> beacon_in_robot_frame(double a_m, double L1_m, double L2_m,
                                                                    bool left = true);
 
-/// Chang eq. 5 and 6: place of the robot in the map, from that of the beacon in both frames and the robot's
-/// heading.
+/// Chang eq. 5 and 6: position of the robot in the map, from the beacon's positions in both frames and the
+/// robot's heading.
 [[nodiscard]] Eigen::Vector2d robot_in_map(const Eigen::Vector2d& beacon_robot_m,
                                            const Eigen::Vector2d& beacon_map_m, double heading_rad);
 
 struct OneBeaconOptions {
-  /// Heading, where it is known: of a rail, from odometry. Not given: that of a straight rail of the vehicle;
-  /// else it is solved for, which takes two beacons.
+  /// Known heading, from a rail or odometry. Default: that of the vehicle's straight rail; otherwise it is
+  /// estimated, which requires two beacons.
   std::optional<double> heading_rad{};
-  double heading_sigma_rad = 2e-3;  ///< of a heading that is known
+  double heading_sigma_rad = 2e-3;  ///< sigma of a known heading
   Facing facing = Facing::kLeft;
   PairRangesOptions ranges{};
-  double gate_sigmas = 4.0;       ///< of circles that miss each other, and of beacons against each other
-  double ambiguity_margin = 9.0;  ///< of squared sigmas: a second pose closer than this is as good
-  double max_speed_mps =
-      1.0;  ///< how far the vehicle may be from where it was; SiteVehicle::motion goes before
-  double max_sigma_m = 1.0;  ///< a larger position sigma is poor geometry
+  double gate_sigmas = 4.0;       ///< for circles that miss each other, and for beacons among each other
+  double ambiguity_margin = 9.0;  ///< in squared sigmas: a second pose within this margin is as good
+  double max_speed_mps = 1.0;     ///< largest speed from the last position; SiteVehicle::motion overrides it
+  double max_sigma_m = 1.0;       ///< position sigmas above this are poor geometry
   double max_heading_sigma_rad = 0.5;
 };
 
-/// Position of a vehicle from one beacon and its two receivers (C. Chang, Y. Li, J. M. Lee, "A TDOA-Based
-/// Ultrasonic Absolute Localizing System of a Rail Robot in Greenhouse"). Where the equations are: eq. 1-3
-/// arrival_range, the two rules range_gates, eq. 4-6 here; of a rail: rail.h.
+/// Position of a vehicle from one beacon and two receivers (C. Chang, Y. Li, J. M. Lee, "A TDOA-Based
+/// Ultrasonic Absolute Localizing System of a Rail Robot in Greenhouse"). Eq. 1-3 are in arrival_range, the
+/// two rules in range_gates, eq. 4-6 here, and the rail in rail.h.
 ///
-/// Each beacon that both receivers hear gives a place (eq. 4-6); receivers and beacons may be at different
-/// heights, which the known heights take out. Several beacons are adjusted together, from the first one's
-/// place, and with two of them the heading need not be known. A vehicle with more than two receivers uses the
-/// two farthest apart.
+/// Each beacon that both receivers observe gives a position (eq. 4-6). Receivers and beacons may have
+/// different heights, which are known and corrected for. Several beacons are adjusted together, starting from
+/// the first one's position; with two of them the heading need not be known. For a vehicle with more than two
+/// receivers, the two that are farthest apart are used.
 ///
-/// Fix: kTooFewArrivals (no beacon is heard by both, or one without heading), kNoConsensus (circles that do
-/// not meet, beacons that disagree), kPoorGeometry (a beacon in line with the receivers), kAmbiguous
-/// (Facing::kEither, and nothing tells the side). A fix that one beacon less would leave one, too, has a
-/// protection level (separation.h); a heading known from elsewhere is then taken for right.
+/// Fix: kTooFewArrivals (no beacon observed by both receivers, or one beacon without heading), kNoConsensus
+/// (circles that do not meet, beacons that disagree), kPoorGeometry (a beacon in line with the receivers),
+/// kAmbiguous (Facing::kEither, and no information about the side). A fix that would also exist with one
+/// beacon less has a protection level (separation.h); an externally known heading is then assumed to be
+/// correct.
 class OneBeacon : public Localizer {
  public:
   explicit OneBeacon(const Deployment& deployment, OneBeaconOptions options = {});
 
-  /// Heading from now on, for a robot that has it from odometry or a compass. @param sigma_rad positive
+  /// Sets the heading for the following calls, for a robot with odometry or a compass. @param sigma_rad
+  /// positive
   void set_heading(double heading_rad, double sigma_rad) noexcept;
-  /// Forgets where the vehicles were.
+  /// Forgets the last positions of the vehicles.
   void forget() noexcept;
 
  private:
   void locate_known(const Observations& observations, Fix& fix) noexcept override;
   static constexpr std::size_t kMaxEither =
-      4;  ///< beacons that are tried on both sides: sixteen combinations
+      4;  ///< number of beacons tried on both sides: sixteen combinations
   struct Receivers {
     std::array<ReceiverId, 2> id;
     std::optional<double> rail_heading_rad;
   };
   struct View {
     std::array<PairRange, 2> pair;
-    std::array<Eigen::Vector2d, 2> place;  ///< in the vehicle frame: left, right
+    std::array<Eigen::Vector2d, 2> place;  ///< in the vehicle frame: on the left, on the right
     double distance_m = 0.0;
   };
   struct Attempt {
@@ -115,18 +116,19 @@ class OneBeacon : public Localizer {
 
   Deployment deployment_;
   OneBeaconOptions options_;
-  std::vector<Receivers> receivers_;  ///< of each vehicle
-  std::vector<Last> last_;            ///< of each vehicle
+  std::vector<Receivers> receivers_;  ///< receivers of each vehicle
+  std::vector<Last> last_;            ///< last fix of each vehicle
   PairRanges ranges_;
   RangePropagation propagation_;
   std::vector<View> views_;
   BeaconSums sums_;
-  Receivers now_;  ///< of the vehicle of the call
+  Receivers now_;  ///< receivers of the current vehicle
   std::optional<double> heading_rad_;
 };
 
-/// Whether a deployment suits OneBeacon: planar, synchronised clock, a vehicle with two receivers apart, a
-/// usable beacon, and two of them where neither the options nor a straight rail tell the heading.
+/// Checks that a deployment suits OneBeacon: planar motion, synchronised clock, a vehicle with two separate
+/// receivers, and a usable beacon. Two beacons are required if neither the options nor a straight rail give
+/// the heading.
 [[nodiscard]] Result<void> one_beacon_fits(const Deployment& deployment,
                                            const OneBeaconOptions& options = {});
 

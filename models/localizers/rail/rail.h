@@ -17,36 +17,35 @@ namespace octant {
 
 struct RailOptions {
   PairRangesOptions ranges{};
-  double gate_sigmas = 4.0;       ///< of a range against the others
-  double ambiguity_margin = 9.0;  ///< of squared sigmas: a second place closer than this is as good
+  double gate_sigmas = 4.0;       ///< for a range against the others
+  double ambiguity_margin = 9.0;  ///< in squared sigmas: a second position within this margin is as good
   double early_penalty =
-      16.0;  ///< what an arrival that would be early costs more than a late one: echoes are late
-  double rail_sigma_m = 1e-3;       ///< how far the vehicle sways off its rail, across
-  double heading_sigma_rad = 1e-3;  ///< and in heading
-  double end_slack_m = 0.5;         ///< a straight rail may be left by this much at its ends
-  double max_speed_mps =
-      1.0;  ///< how far the vehicle may be from where it was; SiteVehicle::motion goes before
-  double max_sigma_m = 1.0;  ///< a larger sigma along the rail is poor geometry
+      16.0;                    ///< additional cost of an arrival that would be early, because echoes are late
+  double rail_sigma_m = 1e-3;  ///< lateral play of the vehicle on its rail
+  double heading_sigma_rad = 1e-3;  ///< play of its heading
+  double end_slack_m = 0.5;         ///< tolerance at the ends of a straight rail
+  double max_speed_mps = 1.0;  ///< largest speed from the last position; SiteVehicle::motion overrides it
+  double max_sigma_m = 1.0;    ///< sigmas along the rail above this are poor geometry
 };
 
-/// Place of a vehicle on its rail, straight or arc (Chang, section 2; the range to a point of the arc as it
-/// is, not the first-order step of eq. 7-14, which is off by 19 mm after stops 0.28 m apart). One unknown, so
-/// one range is enough but for the sign: two places of a rail are equally far from a beacon. The other
-/// receiver, the other beacons, the ends of the rail and the last position tell them apart; otherwise
-/// kAmbiguous. All ranges that agree are adjusted together with their weights, so that one beacon hands over
-/// to the next without a seam.
+/// Position of a vehicle on a straight or circular rail (Chang, section 2). The range to a point of the arc
+/// is used as it is, instead of the first-order step of eq. 7-14, which is wrong by 19 mm between stops 0.28
+/// m apart. There is one unknown, so one range is enough except for the sign: two positions on a rail have
+/// the same distance from a beacon. The other receiver, the other beacons, the ends of the rail and the last
+/// position distinguish them; otherwise the fix is kAmbiguous. All ranges that agree are adjusted together
+/// with their weights, so the position is continuous when one beacon replaces another.
 ///
-/// Where the vehicle was bounds where it is: a single beacon is not believed farther away than the vehicle
-/// can have moved, which catches one that both receivers hear late alike; two beacons that agree are, so a
-/// wrong place does not last.
+/// The last position limits the new one. A single beacon is rejected if it implies a longer way than the
+/// vehicle can have moved, which detects a beacon that both receivers observe equally late. Two beacons that
+/// agree are accepted, so a wrong position does not persist.
 ///
 /// Fix: kTooFewArrivals (no range, or a single one that no last position confirms), kNoConsensus (ranges that
-/// no place explains, or none within reach; fewer than half agree), kPoorGeometry (abreast of the only
-/// beacon), kAmbiguous. A fix of two beacons or more has a protection level (separation.h).
+/// no position explains, or none within reach; fewer than half agree), kPoorGeometry (abreast of the only
+/// beacon), kAmbiguous. A fix of two or more beacons has a protection level (separation.h).
 class RailLocalizer : public Localizer {
  public:
   explicit RailLocalizer(const Deployment& deployment, RailOptions options = {});
-  /// Forgets where the vehicles were.
+  /// Forgets the last positions of the vehicles.
   void forget() noexcept;
 
  private:
@@ -54,9 +53,9 @@ class RailLocalizer : public Localizer {
   struct Place {
     double s_m = 0.0;
     double sigma_m = 0.0;
-    double cost = 0.0;  ///< sum of squares, those beyond the gate at the gate
+    double cost = 0.0;  ///< sum of squares, limited to the gate for each range
     int agreeing = 0;
-    int beacons = 0;  ///< that agree
+    int beacons = 0;  ///< number that agree
   };
   struct Last {
     bool known = false;
@@ -64,9 +63,9 @@ class RailLocalizer : public Localizer {
     double s_m = 0.0;
   };
   struct Row {
-    double off_m = 0.0;    ///< measured less predicted
-    double by_s = 0.0;     ///< predicted by s
-    double sigma_m = 0.0;  ///< for gates
+    double off_m = 0.0;    ///< measured minus predicted
+    double by_s = 0.0;     ///< derivative of the prediction by s
+    double sigma_m = 0.0;  ///< sigma for gates
   };
   [[nodiscard]] FixStatus fix_place(std::span<const Arrival> arrivals, Fix& fix);
   [[nodiscard]] Row row(const PairRange& pair, const RailPoint& at) const;
@@ -85,13 +84,13 @@ class RailLocalizer : public Localizer {
   PairRanges ranges_;
   RangePropagation propagation_;
   BeaconSums sums_;
-  std::vector<Last> last_;  ///< of each vehicle
+  std::vector<Last> last_;  ///< last position of each vehicle
   std::vector<Place> places_;
-  const Rail* rail_ = nullptr;  ///< of the vehicle of the call
+  const Rail* rail_ = nullptr;  ///< rail of the current vehicle
 };
 
-/// Whether a deployment suits RailLocalizer: planar, synchronised clock, a usable beacon, a vehicle with a
-/// rail and a receiver.
+/// Checks that a deployment suits RailLocalizer: planar motion, synchronised clock, a usable beacon, and a
+/// vehicle with a rail and a receiver.
 [[nodiscard]] Result<void> rail_fits(const Deployment& deployment);
 
 }  // namespace octant

@@ -11,32 +11,31 @@
 
 namespace octant {
 
-/// A vehicle that is s along its rail: its pose, and how that changes with s.
-/// Straight: s from the rail's beginning. Arc: s = R phi, counter-clockwise from the centre's +x axis, in
-/// (-pi R, pi R].
+/// Pose of a vehicle at distance s along its rail, and its derivative. Straight rail: s from its beginning.
+/// Arc: s = R phi, counter-clockwise from the centre's +x axis, in (-pi R, pi R].
 struct RailPoint {
   Pose T_map_vehicle;
-  Eigen::Vector3d by_s = Eigen::Vector3d::Zero();  ///< x, y, heading per metre
+  Eigen::Vector3d by_s = Eigen::Vector3d::Zero();  ///< derivatives of x, y, heading by s
 };
 [[nodiscard]] RailPoint rail_point(const Rail& rail, double s_m);
 
-/// Length of a straight rail; an arc's whole circle, because a site does not say where it ends [m].
+/// Length of a straight rail, or of the whole circle of an arc, whose ends a site does not specify [m].
 [[nodiscard]] double rail_length_m(const Rail& rail);
 
-/// s brought into a rail's own interval: no change on a straight one.
+/// Wraps s into the interval of an arc; no change on a straight rail.
 [[nodiscard]] double rail_wrapped_m(const Rail& rail, double s_m);
 
-/// Places along a rail at which a receiver is at a distance from a beacon.
+/// Positions along a rail at which a receiver is at a given distance from a beacon.
 struct RailPlaces {
   std::array<double, 2> s_m{};
-  int count = 0;  ///< 0: nowhere, or everywhere (a beacon above the centre of an arc)
+  int count = 0;  ///< 0: no solution, or every position (a beacon above the centre of an arc)
 };
 
-/// Where a receiver's own line (parallel to the rail, or a circle about the same centre) meets the circle of
-/// a range.
-/// @param o_vehicle_m  the receiver's place on the vehicle  @param range_m  slant
-/// @param slack_m  a range too short by less than this counts as the shortest, and too long (arc) as the
-/// longest
+/// Intersects a receiver's own path (parallel to the rail, or a circle with the same centre) with the circle
+/// of a range.
+/// @param o_vehicle_m  position of the receiver on the vehicle  @param range_m  slant range
+/// @param slack_m  tolerance by which a range may be shorter than the shortest, or (arc) longer than the
+/// longest, possible one
 [[nodiscard]] RailPlaces rail_places(const Rail& rail, const Eigen::Vector3d& o_vehicle_m,
                                      const Eigen::Vector3d& p_beacon_m, double range_m, double slack_m);
 

@@ -16,11 +16,11 @@
 namespace octant {
 namespace {
 
-constexpr double kSmallestSigma_rad = 1e-9;  // stands in where no noise is stated
+constexpr double kSmallestSigma_rad = 1e-9;  // used if no noise is stated
 constexpr double kSmallestSight_m = 1e-6;
 constexpr int kResectionSteps = 20, kRematches = 4;
-constexpr double kSameSigmas = 5.0;               // hypotheses closer than this are one pose
-constexpr double kNear_m = 0.3, kNear_rad = 0.1;  // nearly one pose, to be adjusted once
+constexpr double kSameSigmas = 5.0;               // hypotheses within this distance are the same pose
+constexpr double kNear_m = 0.3, kNear_rad = 0.1;  // nearly equal poses, of which one is adjusted
 
 /// Derivative of a bearing by x, y, heading.
 Eigen::Vector3d by_pose(const Eigen::Vector2d& sight) {
@@ -101,7 +101,7 @@ void Reflectors::locate_known(const Observations& observations, Fix& fix) noexce
   last_sigma_ = {std::sqrt(fix.covariance(0, 0) + fix.covariance(1, 1)), std::sqrt(fix.covariance(2, 2))};
 }
 
-/// The fix held against those without each of its reflectors.
+/// Computes the protection level from the fixes without each of the reflectors.
 void Reflectors::protect(const ResectedPose& pose, std::span<const Bearing> bearings, Fix& fix) noexcept {
   sums_.clear();
   for (std::size_t i = 0; i < bearings.size(); ++i) {
@@ -115,7 +115,7 @@ void Reflectors::protect(const ResectedPose& pose, std::span<const Bearing> bear
   fix.protection_level_m = sums_.level_m(horizontal_variance(fix.covariance));
 }
 
-/// The fix's blank state, and what is known of the pose beforehand.
+/// Resets the fix and sets the prior of the pose.
 void Reflectors::begin(const Observations& observations, Fix& fix) noexcept {
   const auto& bearings = observations.bearings;
   begin_fix(bearings, fix);
@@ -127,8 +127,7 @@ void Reflectors::begin(const Observations& observations, Fix& fix) noexcept {
       fix.rejections[i] = Rejection::kNotNeeded;
     if (id.valid() && (id.index() >= index_.size() || index_[id.index()] < 0))
       fix.rejections[i] = Rejection::kBeaconUnusable;
-    if (i < kMaxBearings)
-      match_[i] = fix.rejections[i] == Rejection::kUsed ? -1 : -2;  // -2: never to be matched
+    if (i < kMaxBearings) match_[i] = fix.rejections[i] == Rejection::kUsed ? -1 : -2;  // -2: never matched
     if (i < kMaxBearings) sights_[i] = direction_of(bearings[i].bearing_rad);
   }
   prediction_ = given_;
@@ -148,8 +147,8 @@ double Reflectors::Prediction::cost(const ResectedPose& at, double gate_sigmas) 
   return 0.5 * std::min(distance + square(turn), most);
 }
 
-/// How far a bearing is to the left of where a reflector is seen.
-/// @param sight_m  from the pose to the reflector, on the map
+/// Angle by which a bearing lies to the left of the direction of a reflector.
+/// @param sight_m  vector from the pose to the reflector, on the map
 double Reflectors::off_rad(const ResectedPose& pose, std::size_t bearing,
                            const Eigen::Vector2d& sight_m) const noexcept {
   return angle_of(turn_between(turn_between(pose.ahead, sight_m), sights_[bearing]));
@@ -166,8 +165,9 @@ double Reflectors::variance(const Reflector& reflector, const Eigen::Vector2d& s
   return square(sigma_rad_) + across.dot(reflector.covariance_m2 * across);
 }
 
-/// Matches every bearing to the reflector that explains it best, none twice; an unexplained bearing costs as
-/// much as one at the gate. A pose that costs no less than the bound may be left half matched.
+/// Matches every bearing to the reflector that explains it best, each reflector at most once. An unexplained
+/// bearing costs as much as one at the gate. For a pose that reaches the bound the matching may be
+/// incomplete.
 double Reflectors::explain(const ResectedPose& pose, std::span<const Bearing> bearings,
                            double bound) noexcept {
   const double outlier = 0.5 * square(options_.gate_sigmas);
@@ -185,8 +185,8 @@ double Reflectors::explain(const ResectedPose& pose, std::span<const Bearing> be
         const Seen& seen = seen_[k];
         if (seen.variance == 0.0) predict_sight(k, pose);
         if (seen.used) continue;
-        // An angle is no less than its sine, and beyond a quarter turn where the cosine is negative: few
-        // reflectors are so near that the angle itself is asked for.
+        // An angle is at least its sine, and more than a right angle if the cosine is negative. This bound
+        // avoids the arctangent for most reflectors.
         const Eigen::Vector2d off = turn_between(sights_[i], seen.sight_m);
         const double widest = 2 * nearest * seen.variance;
         if (off.x() > 0 ? square(off.y()) >= widest * seen.sight_m.squaredNorm()
@@ -204,8 +204,8 @@ double Reflectors::explain(const ResectedPose& pose, std::span<const Bearing> be
   return cost;
 }
 
-/// What a hypothesis must beat to be kept: the first that is nearly the same pose, as triples of one set of
-/// bearings are, so that there is room for others; else the worst.
+/// Hypothesis that a new one has to beat: the first that is nearly the same pose, since triples of one set of
+/// bearings give similar poses, else the worst one.
 Reflectors::Hypothesis& Reflectors::rival_of(const ResectedPose& pose) noexcept {
   for (Hypothesis& other : best_) {
     if (!std::isfinite(other.cost)) break;
@@ -232,7 +232,7 @@ void Reflectors::search(std::span<const Bearing> bearings) noexcept {
   if (prediction_ && prediction_->is_tight()) {
     Hypothesis seed{prediction_->pose, 0.0};
     Eigen::Matrix3d information;
-    // The gate would lose bearings at a pose that is only predicted: widen it for the start.
+    // A predicted pose is inexact, so the gate is widened at the start.
     const double sigma = sigma_rad_;
     sigma_rad_ = std::hypot(sigma, prediction_->sigma_rad);
     explain(seed.pose, bearings);
@@ -245,7 +245,7 @@ void Reflectors::search(std::span<const Bearing> bearings) noexcept {
     }
   }
   if (all_explained) return;
-  // Labelled bearings come first, and with them the triples that cost one hypothesis instead of many.
+  // Labelled bearings come first, because their triples have one hypothesis instead of many.
   std::ranges::fill(named_, 0);
   for (const bool labelled : {true, false})
     for (std::size_t i = 0; i < bearings.size(); ++i) {
@@ -255,12 +255,13 @@ void Reflectors::search(std::span<const Bearing> bearings) noexcept {
     }
   const std::span<const std::size_t> searched(order.data(), count);
   try_triples(bearings, searched, false);
-  // A bearing that takes another's reflector leaves the other unexplained, or is itself: where nothing needs
-  // to be, no such pose can be as good.
+  // A bearing matched to the reflector of another bearing leaves that one, or itself, unexplained. If a pose
+  // explains all bearings, no such pose can be better.
   if (!explains_all(bearings)) try_triples(bearings, searched, true);
 }
 
-/// Whether the best pose so far, adjusted, is better than any pose that leaves a bearing unexplained.
+/// Returns true if the best pose so far, after adjustment, is better than any pose that leaves a bearing
+/// unexplained.
 bool Reflectors::explains_all(std::span<const Bearing> bearings) noexcept {
   Hypothesis best = best_.front();
   if (!std::isfinite(best.cost)) return false;
@@ -277,7 +278,8 @@ void Reflectors::try_triples(std::span<const Bearing> bearings, std::span<const 
       for (std::size_t i = 0; i < j; ++i) try_triple(bearings, {order[i], order[j], order[k]}, of_others);
 }
 
-/// @param of_others  some bearing without a name takes a reflector that another names; else none does
+/// @param of_others  if true, some unlabelled bearing must match a reflector that a label names; otherwise
+/// none may
 void Reflectors::try_triple(std::span<const Bearing> bearings, const std::array<std::size_t, 3>& triple,
                             bool of_others) noexcept {
   std::array<std::size_t, 3> first{}, last{};
@@ -305,7 +307,7 @@ void Reflectors::try_triple(std::span<const Bearing> bearings, const std::array<
       }
 }
 
-/// Gauss-Newton on the bearings matched, matching anew in between. False where the geometry does not
+/// Gauss-Newton on the matched bearings, with new matches after each step. False if the geometry does not
 /// determine the pose.
 bool Reflectors::refine(Hypothesis& hypothesis, std::span<const Bearing> bearings,
                         Eigen::Matrix3d& information) noexcept {
@@ -341,7 +343,7 @@ bool Reflectors::refine(Hypothesis& hypothesis, std::span<const Bearing> bearing
   return true;
 }
 
-/// Refines the best hypotheses; leaves `match_` at the best one's.
+/// Refines the best hypotheses and leaves the matches of the best one in `match_`.
 FixStatus Reflectors::judge(std::span<const Bearing> bearings, Hypothesis& best,
                             Eigen::Matrix3d& information) noexcept {
   std::array<Eigen::Matrix3d, kBest> informations;

@@ -19,55 +19,55 @@
 namespace octant {
 
 struct ReflectorsOptions {
-  std::optional<double> bearing_sigma_rad{};                 ///< not given: the deployment's
-  double range_m = std::numeric_limits<double>::infinity();  ///< beyond it a reflector is not seen
-  double gate_sigmas = 4.0;  ///< a bearing further off is not of that reflector
-  double max_sigma_m = 1.0;  ///< a horizontal sigma beyond this is poor geometry
-  /// A second pose counts as equally good when its log likelihood is within this of the best (2: odds of
-  /// seven to one).
+  std::optional<double> bearing_sigma_rad{};                 ///< default: the deployment's
+  double range_m = std::numeric_limits<double>::infinity();  ///< maximum distance of a reflector
+  double gate_sigmas = 4.0;  ///< largest deviation of a bearing from its reflector
+  double max_sigma_m = 1.0;  ///< horizontal sigmas above this are poor geometry
+  /// A second pose is equally good if its log likelihood is within this margin of the best (2: odds of seven
+  /// to one).
   double ambiguity_margin = 2.0;
-  int max_hypotheses = 20000;  ///< poses tried in a search; bounds its time
-  /// What the last fix says of the next: how fast the vehicle moves and turns. 0: nothing.
+  int max_hypotheses = 20000;  ///< number of poses tried in a search, which bounds its time
+  /// Speed and turn rate by which the vehicle may leave its last fix. 0: the last fix is not used.
   double speed_mps = 1.0;
   double turn_rate_radps = 1.0;
 };
 
-/// Which reflectors there must be: errors say what the deployment lacks.
+/// Checks the reflectors of a deployment. The error states what it lacks.
 [[nodiscard]] Result<void> reflectors_fits(const Deployment& deployment);
 
 /// Pose from bearings to reflectors (Smieszek, Dobrzanska and Dobrzanski, "Laser navigation applications for
-/// automated guided vehicles", section 2: triangulation). The deployment's beacons are the reflectors;
-/// bearings are taken at the vehicle frame's origin; a bearing without a reflector's name may be of any.
+/// automated guided vehicles", section 2: triangulation). The beacons of the deployment are the reflectors.
+/// Bearings are measured at the vehicle's origin; an unlabelled bearing may belong to any reflector.
 ///
-/// Triples of bearings give poses in closed form (`resect`), for unlabelled bearings under every assignment,
-/// until max_hypotheses are tried: first those that give no bearing a reflector which another names, then,
-/// unless a pose was found that explains all, the others. The poses that explain all bearings best, each
-/// bearing by its nearest reflector and at most at the price of an outlier, are adjusted by least squares;
-/// the best is the fix. The last fix, or `predict`, is one more pose to try and weighs in with what is known
-/// of the motion, so that it decides between poses that the bearings cannot tell apart.
+/// Triples of bearings give poses in closed form (`resect`). Unlabelled bearings are tried under every
+/// assignment, up to max_hypotheses. Assignments that give no bearing a reflector named by another one come
+/// first, the others only if no pose explains all bearings. Each bearing is explained by its nearest
+/// reflector, at most at the cost of an outlier. The best poses are adjusted by least squares, and the best
+/// result is the fix. The last fix, or `predict`, is a further candidate. With the known motion it acts as a
+/// prior, so it decides between poses that the bearings cannot distinguish.
 ///
-/// No fix: kTooFewArrivals under three bearings; kPoorGeometry on the danger circle or with a sigma beyond
-/// max_sigma_m; kAmbiguous where another pose explains the bearings as well; kNoConsensus where fewer than
-/// three bearings agree, or three alone and not all of them labelled. The covariance is that of the bearings'
-/// noise and of the reflectors' own. A fix of four bearings or more has a protection level (separation.h):
-/// one reflector, or what was taken for it, may be off by anything.
+/// No fix: kTooFewArrivals with fewer than three bearings; kPoorGeometry on the danger circle or with a sigma
+/// above max_sigma_m; kAmbiguous if another pose explains the bearings equally well; kNoConsensus if fewer
+/// than three bearings agree, or just three that are not all labelled. The covariance includes the noise of
+/// the bearings and the uncertainty of the reflectors. A fix of four or more bearings has a protection level
+/// (separation.h), valid for an arbitrary error of one reflector or its identification.
 class Reflectors : public Localizer {
  public:
   explicit Reflectors(const Deployment& deployment, const ReflectorsOptions& options = {});
 
-  /// Where the vehicle is at the next `locate`, as odometry has it; instead of what follows from the last
-  /// fix.
+  /// Sets the expected pose at the next `locate`, for example from odometry, instead of the one derived from
+  /// the last fix.
   void predict(const Pose& T_map_vehicle, double sigma_m, double sigma_rad) noexcept;
 
  private:
-  /// Bearings beyond the first 64 are not used. Rejections are one for each bearing.
+  /// Uses the first 64 bearings. There is one rejection for each bearing.
   void locate_known(const Observations& observations, Fix& fix) noexcept override;
   struct Reflector {
     Eigen::Vector2d p_map_m;
     Eigen::Matrix2d covariance_m2;
     BeaconId beacon;
   };
-  /// A pose, and how far it is from explaining the bearings (minus log likelihood, without constants).
+  /// A pose with its cost (negative log likelihood of the bearings, without constants).
   struct Hypothesis {
     ResectedPose pose;
     double cost = std::numeric_limits<double>::infinity();
@@ -76,7 +76,7 @@ class Reflectors : public Localizer {
     ResectedPose pose;
     double sigma_m = 0.0, sigma_rad = 0.0;
     [[nodiscard]] double cost(const ResectedPose& at, double gate_sigmas) const;
-    /// Whether it may stand in for a search.
+    /// True if it is accurate enough to replace a search.
     [[nodiscard]] bool is_tight() const { return sigma_m < 0.5 && sigma_rad < 0.3; }
   };
   static constexpr std::size_t kBest = 8, kSearched = 12, kMaxBearings = 64;
@@ -103,25 +103,25 @@ class Reflectors : public Localizer {
 
   ReflectorsOptions options_;
   std::vector<Reflector> reflectors_;
-  std::vector<int> index_;  ///< of each beacon in reflectors_; -1: unusable
+  std::vector<int> index_;  ///< index of each beacon in reflectors_; -1: unusable
   double sigma_rad_ = 0.01;
   std::optional<Prediction> prediction_, given_;
   std::optional<double> last_fix_s_;
   ResectedPose last_;
   Eigen::Vector2d last_sigma_ = Eigen::Vector2d::Zero();  ///< m, rad
-  // Room for a search.
+  // Memory of a search.
   std::array<Hypothesis, kBest> best_;
   int tried_ = 0;
-  std::vector<int> match_;               ///< of each bearing: reflector, or -1
-  std::vector<Eigen::Vector2d> sights_;  ///< of each bearing: unit vector in the vehicle frame
-  /// A reflector from the pose under test.
+  std::vector<int> match_;               ///< reflector of each bearing, or -1
+  std::vector<Eigen::Vector2d> sights_;  ///< unit vector of each bearing in the vehicle frame
+  /// A reflector as seen from the tested pose.
   struct Seen {
     Eigen::Vector2d sight_m;  ///< in the vehicle frame
-    double variance = 0.0;    ///< of its bearing; 0: nobody looked yet
+    double variance = 0.0;    ///< variance of its bearing; 0: not computed yet
     bool used = false;        ///< or out of range
   };
   std::vector<Seen> seen_;
-  std::vector<char> named_;  ///< of each reflector: by a bearing
+  std::vector<char> named_;  ///< true for reflectors that a bearing names
   BeaconSums sums_;
 };
 

@@ -9,10 +9,10 @@
 namespace octant {
 namespace {
 
-constexpr double kTiny = 1e-9;  // of centres' distance against the points': danger circle
+constexpr double kTiny = 1e-9;  // ratio of the centres' distance to that of the points: danger circle
 
-/// Centre of the circle of all points that see p1 and p2 under an angle, times that angle's sine: in this
-/// form the circle may become a line.
+/// Centre of the circle of all points that see p1 and p2 at an angle, multiplied by the sine of the angle. In
+/// this form the circle may degenerate to a line.
 Eigen::Vector2d scaled_centre(const Eigen::Vector2d& p1, const Eigen::Vector2d& p2,
                               const Eigen::Vector2d& turn) {
   return turn.y() * (p1 + p2) / 2 + turn.x() * left_of(p2 - p1) / 2;
@@ -24,22 +24,22 @@ std::optional<Eigen::Vector2d> intersect_sight_circles(const std::array<Eigen::V
                                                        const Eigen::Vector2d& turn12,
                                                        const Eigen::Vector2d& turn23) noexcept {
   const double scale_squared = (p[0] - p[1]).squaredNorm() + (p[1] - p[2]).squaredNorm();
-  // About the middle point, so that coordinates are of the triangle's size.
+  // Relative to the middle point, so that coordinates have the size of the triangle.
   const Eigen::Vector2d c1 = scaled_centre(p[0] - p[1], Eigen::Vector2d::Zero(), turn12);
   const Eigen::Vector2d c2 = scaled_centre(Eigen::Vector2d::Zero(), p[2] - p[1], turn23);
-  // Both circles pass through the middle point; they meet again at its mirror image behind the line of their
-  // centres.
+  // Both circles pass through the middle point. Their other intersection is its mirror image at the line of
+  // their centres.
   const double s1 = turn12.y(), s2 = turn23.y();
   const Eigen::Vector2d line = c2 * s1 - c1 * s2;
   const double tiny_squared = square(kTiny) * scale_squared;
-  if (!(line.squaredNorm() > tiny_squared)) return std::nullopt;  // nor where an angle is no number
+  if (!(line.squaredNorm() > tiny_squared)) return std::nullopt;  // also rejects NaN
   const bool first = std::abs(s1) > std::abs(s2);
   const double sine = first ? s1 : s2;
   if (!(std::abs(sine) > kTiny)) return std::nullopt;
   const Eigen::Vector2d normal = left_of(line);
   const Eigen::Vector2d found = 2 * normal.dot(first ? c1 : c2) / (sine * line.squaredNorm()) * normal;
   if (!(found.squaredNorm() > tiny_squared))
-    return std::nullopt;  // on the middle point itself there are no bearings
+    return std::nullopt;  // at the middle point itself bearings are undefined
   return p[1] + found;
 }
 
@@ -48,9 +48,9 @@ std::optional<ResectedPose> resect(const std::array<Eigen::Vector2d, 3>& p,
   const auto found =
       intersect_sight_circles(p, turn_between(sight[0], sight[1]), turn_between(sight[1], sight[2]));
   if (!found) return std::nullopt;
-  std::array<Eigen::Vector2d, 3> heading;  // by each of the points, times its distance
+  std::array<Eigen::Vector2d, 3> heading;  // heading from each of the points, times its distance
   for (std::size_t i = 0; i < 3; ++i) heading[i] = turn_between(sight[i], p[i] - *found);
-  // Circles know angles up to half a turn.
+  // The circles determine angles only modulo half a turn.
   if (heading[0].dot(heading[1]) < 0 || heading[0].dot(heading[2]) < 0) return std::nullopt;
   return ResectedPose{*found, heading[0].normalized()};
 }

@@ -18,17 +18,18 @@ namespace octant {
 namespace {
 
 constexpr std::size_t kMostStops = 60, kMostOfADrive = 3'000;
-/// Room for a wrong speed, as a share of the range: from thirty degrees of air down to none.
+/// Allowances for a wrong speed, as a share of the range: from thirty degrees of air temperature to zero.
 constexpr std::array<double, 5> kRooms = {0.05, 0.015, 0.004, 0.001, 0.0};
 constexpr int kStepsEach = 4;
 constexpr double kCauchySigmas = 3.0, kRejectionSigmas = 4.0;
-constexpr double kFarthest = 0.1;         ///< of the speed: no medium is that far from its reference
-constexpr double kLeastRedundancy = 5.0;  ///< arrivals beyond the unknowns, from which chance cannot agree
-constexpr double kLeastAgreeing = 0.5;    ///< of the arrivals heard
-constexpr double kSpanOfParabola = 0.3;   ///< of the room, to both sides
-constexpr double kLeastSpan = 2e-4;       ///< of the speed
+constexpr double kFarthest = 0.1;  ///< largest relative offset of the speed from that of the reference state
+constexpr double kLeastRedundancy =
+    5.0;  ///< number of arrivals beyond the unknowns that cannot agree by chance
+constexpr double kLeastAgreeing = 0.5;   ///< smallest share of the received arrivals that must agree
+constexpr double kSpanOfParabola = 0.3;  ///< half width of the parabola, as a share of the allowance
+constexpr double kLeastSpan = 2e-4;      ///< relative to the speed
 
-/// As much of a run as tells its speed.
+/// Part of a run that suffices to estimate its speed.
 MeasurementLog part_of_run(const MeasurementLog& run) {
   MeasurementLog part = run;
   if (run.has_epochs) {
@@ -41,7 +42,7 @@ MeasurementLog part_of_run(const MeasurementLog& run) {
     std::ranges::sort(some);
     std::erase_if(part.arrivals,
                   [&](const Arrival& a) { return !std::ranges::binary_search(some, a.epoch); });
-    part.odometry.clear();  // it ties stops that are neighbours
+    part.odometry.clear();  // removed because it links neighbouring stops
     return part;
   }
   if (run.arrivals.size() <= kMostOfADrive) return part;
@@ -87,7 +88,7 @@ class SpeedSearch {
   }
 
  private:
-  /// Shared parameters at an offset from the calibrated speed.
+  /// Shared state at an offset from the calibrated speed.
   [[nodiscard]] SharedState state_at(double offset_mps) const {
     SharedState state = calibrated_;
     for (double& speed : state.speed_offset_mps) speed += offset_mps;
@@ -121,7 +122,7 @@ class SpeedSearch {
                        [](const Node& node) { return node.placed; });
   }
 
-  /// Leaves out what does not agree at the offset found.
+  /// Rejects arrivals that do not agree at the current offset.
   void reject_outliers() {
     const SharedState state = state_at(offset_mps_);
     const RobustLoss loss{kCauchySigmas, kCauchySigmas};
@@ -139,7 +140,7 @@ class SpeedSearch {
       }
   }
 
-  /// Squares of everything at an offset, the states at their best.
+  /// Sum of squares of all arrivals at an offset, minimised over the states.
   [[nodiscard]] double squares_at(double offset_mps, const RobustLoss& loss) {
     const SharedState state = state_at(offset_mps);
     double cost = 0.0;
@@ -149,7 +150,7 @@ class SpeedSearch {
     return cost;
   }
 
-  /// Newton's steps on the profile. @return false where there is nothing to climb by
+  /// Newton iteration on the profile. @return false without curvature or slope
   bool climb(double room) {
     const double scale = room > 0.0 ? std::max(kCauchySigmas, room * range_m_ / sigma_m_) : 0.0;
     const RobustLoss loss{scale, scale};
@@ -162,7 +163,7 @@ class SpeedSearch {
       information_ = (more - 2.0 * here + less) / (span_mps * span_mps);
       const double slope = (more - less) / (2.0 * span_mps);
       if (!std::isfinite(slope) || !std::isfinite(information_)) return false;
-      // Where the profile is flat or bends the other way, downhill by the span.
+      // Where the profile is flat or has negative curvature, moves downhill by the span.
       const double by_mps = information_ > 1e-12 ? -slope / information_
                             : slope == 0.0       ? 0.0
                                                  : -std::copysign(span_mps, slope);
@@ -172,7 +173,7 @@ class SpeedSearch {
     return true;
   }
 
-  /// Counts, and the squares of the arrivals that agree.
+  /// Fills in the counts and the sum of squares of the arrivals that agree.
   RunSpeed& counted(RunSpeed& out) {
     const SharedState state = state_at(offset_mps_);
     static_cast<void>(squares_at(offset_mps_, {}));
@@ -183,7 +184,7 @@ class SpeedSearch {
         if (!is_placed(t, segment)) continue;
         const std::size_t nodes = segment.last_node - segment.first_node;
         out.poses += nodes;
-        // A drive's states follow from each other by odometry: one pose counts.
+        // Odometry links the states of a drive, so it counts as a single pose.
         unknowns += static_cast<double>(t.block_size()) * (t.moving ? 1.0 : static_cast<double>(nodes));
         for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
           if (t.arrivals[i].rejection != Rejection::kUsed) continue;

@@ -10,40 +10,42 @@
 
 namespace octant {
 
-/// Sigmas beyond which the speed is taken to be another one than the deployment's.
+/// Difference in sigmas above which the speed counts as different from that of the deployment.
 inline constexpr double kSpeedDiffersBy = 3.0;
 
-/// The speed of a recording at an unknown temperature, by its redundant arrivals.
+/// Speed in a recording at an unknown temperature, estimated from redundant arrivals.
 struct RunSpeed {
-  bool determined = false;  ///< false: the arrivals do not tell; nothing but the counts says anything then
-  double offset_mps = 0.0;  ///< of the speed from what the deployment says at the same (or its reference)
-                            ///< temperature
-  double sigma_mps = 0.0;   ///< of the offset, the calibration's own sigma of the speed included
-  double temperature_degC = 0.0;        ///< air of that speed, where there is such air (else its sigma is 0)
-  double temperature_sigma_degC = 0.0;  ///< by the medium's model
-  std::size_t poses = 0, arrivals = 0;  ///< that it was told from
+  bool determined = false;  ///< false: the arrivals do not determine the speed, and only the counts are valid
+  double offset_mps =
+      0.0;  ///< difference from the deployment's speed at the stated (or reference) temperature
+  double sigma_mps = 0.0;  ///< sigma of the offset, including that of the calibrated speed
+  double temperature_degC =
+      0.0;  ///< air temperature that corresponds to the speed; without one, its sigma is 0
+  double temperature_sigma_degC = 0.0;  ///< from the medium's model
+  std::size_t poses = 0, arrivals = 0;  ///< used for the estimate
 
-  /// Determined, and not the deployment's: chance would make so much once in 370 runs.
+  /// True if the speed is determined and differs from the deployment's; happens by chance once in 370 runs.
   [[nodiscard]] bool differs() const {
     return determined && std::abs(offset_mps) > kSpeedDiffersBy * sigma_mps;
   }
 };
 
-/// An offset is determined where its sigma is at most this share of the speed: three metres a second in air,
-/// five degrees.
+/// An offset counts as determined if its sigma is at most this share of the speed: three metres per second,
+/// or five degrees in air.
 inline constexpr double kSpeedKnownTo = 0.01;
 
-/// Whether a run is at a temperature of which its deployment knows nothing: the speed depends on it, and the
-/// recording states none, or one outside the validity.
+/// Returns true if the deployment does not cover the temperature of a run: the speed depends on it, and the
+/// recording states none or one outside the validity.
 [[nodiscard]] bool speed_is_unknown(const Deployment& deployment, const MeasurementLog& run);
 
-/// One offset of the speed for a whole run. Poses are placed with room for a wrong speed in every range, all
-/// are solved at some speeds, and the parabola through their squares (the profile of the likelihood) tells
-/// the offset; this is repeated with less and less room and under Cauchy's loss, at last by plain squares of
-/// the arrivals that agree. Some sixty stops, or the first three thousand arrivals of a drive.
+/// Estimates one speed offset for a whole run. Poses are first found with an allowance for a wrong speed in
+/// every range. All poses are then solved at several speeds, and the parabola through their sums of squares,
+/// the profile likelihood, yields the offset. This is repeated with decreasing allowance under Cauchy's loss,
+/// and finally with the squared loss of the arrivals that agree. Uses about sixty stops, or the first three
+/// thousand arrivals of a drive.
 [[nodiscard]] RunSpeed estimate_run_speed(const Deployment& deployment, const MeasurementLog& run);
 
-/// The deployment with that speed and its sigma, which no longer hangs together with the beacons' errors.
+/// The deployment with this speed and its sigma, which is then independent of the beacons' errors.
 [[nodiscard]] Deployment at_speed(Deployment deployment, const RunSpeed& speed);
 
 }  // namespace octant
