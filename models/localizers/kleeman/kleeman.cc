@@ -10,7 +10,7 @@
 namespace octant {
 namespace {
 
-constexpr double kConverged_m = 1e-5, kConverged_rad = 1e-5;  // well below what is ever known
+constexpr double kConverged_m = 1e-5, kConverged_rad = 1e-5;  // well below the accuracy of any fix
 
 }  // namespace
 
@@ -62,7 +62,7 @@ void Kleeman::locate_known(const Observations& observations, Fix& fix) noexcept 
   propagate(fix);
 }
 
-/// Arrivals to a position and a heading, in passes.
+/// Computes position and heading in alternating passes.
 FixStatus Kleeman::place(std::span<const Arrival> arrivals) noexcept {
   Work& w = *work_;
   gather(arrivals);
@@ -78,12 +78,13 @@ FixStatus Kleeman::place(std::span<const Arrival> arrivals) noexcept {
     status = solve_pass(/*first=*/false);
     moved_m = (w.solution.p_map_m - before).norm();
     turned_rad = std::abs(wrap_angle(w.heading.rad - heading.rad));
-    // A heading that was coarse until now is not settled by standing still.
+    // A heading that was coarse until now has not converged merely because it did not change.
     const bool same_heading =
         heading.known == w.heading.known && std::abs(w.heading.sigma_rad - heading.sigma_rad) < 1e-3;
     if (moved_m < kConverged_m && turned_rad < kConverged_rad && same_heading) break;
   }
-  // Arrivals on the edge of a gate may come and go for ever, and move nothing much. More than that is no fix.
+  // Arrivals at the edge of a gate may alternate forever with little effect. With a larger effect there is no
+  // fix.
   if (status == FixStatus::kOk && (moved_m > 100 * kConverged_m || turned_rad > 1000 * kConverged_rad))
     status = FixStatus::kNotConverged;
   return status;
@@ -98,8 +99,8 @@ FixStatus Kleeman::solve_pass(bool first) noexcept {
     centre();
   }
   set_rough_aside();
-  // As long as the array is taken for a point, two distances may differ by its diameter more than eq. 5-6
-  // allow.
+  // While the array is treated as a point, the difference of two distances may exceed eq. 5-6 by its
+  // diameter.
   const double slack_m = first ? 2 * v.radius_m : 0.0;
   w.impossible = triangle_violations(w.distances, beacon_p_map_m_, options_.triangle_sigmas, slack_m);
   const double scale_sigma = deployment_.speed_sigma_mps / w.speed_mps;
@@ -110,8 +111,8 @@ FixStatus Kleeman::solve_pass(bool first) noexcept {
 
 void Kleeman::find_heading(bool first) noexcept {
   Work& w = *work_;
-  // Beacons that longsolve has thrown out are late, and from somewhere else: they say nothing of the heading
-  // either.
+  // Beacons rejected by longsolve are late and come from another direction, so they are not used for the
+  // heading either.
   for (HeardDistance& h : w.heard) h.kept = h.kept && w.solution.agreeing[h.beacon];
   const auto& attenuation = deployment_.attenuation;
   const HeadingInput input{w.heard,
@@ -120,8 +121,8 @@ void Kleeman::find_heading(bool first) noexcept {
                            w.solution.p_map_m,
                            attenuation && attenuation->directional() ? &*attenuation : nullptr,
                            deployment_.noise.amplitude_relative_sigma};
-  // The first pass has not yet told the echoes of single receivers from direct arrivals: the coarse heading
-  // stands that.
+  // In the first pass echoes at single receivers have not been rejected yet; the coarse heading tolerates
+  // them.
   const bool coarse = first || options_.heading != KleemanHeading::kInterpolation;
   const bool published = options_.heading == KleemanHeading::kMeanAxes;
   Heading heading;

@@ -16,15 +16,15 @@
 
 namespace octant {
 
-// L. Kleeman, "Ultrasonic autonomous robot localisation system". Where its parts are, in the paper's order:
+// L. Kleeman, "Ultrasonic autonomous robot localisation system". Parts in the order of the paper:
 //   kleeman_schedule.h    firing in turn, eq. 1
 //   hyperbolic_fix.h      three beacons, eq. 2-4, and its error analysis (in least_squares/)
 //   kleeman_sync.h        pulses to labelled arrivals
 //   kleeman_validation.h  triangle inequality, eq. 5-6
 //   kleeman_longsolve.h   the best triples of all beacons
 //   kleeman_heading.h     orientation
-// and here: the arrivals of one cycle through all of it. The speed of sound from their redundancy:
-// models/localizers/speed/run_speed.h.
+// This file applies them to the arrivals of one cycle. The speed of sound from redundant arrivals is
+// estimated in models/localizers/speed/run_speed.h.
 
 struct KleemanVehicle;  // kleeman_work.h
 struct KleemanWork;
@@ -32,40 +32,40 @@ struct KleemanWork;
 struct KleemanOptions {
   KleemanHeading heading = KleemanHeading::kInterpolation;
   double triangle_sigmas = 4.0;  ///< tolerance of eq. 5-6
-  double gate_sigmas = 4.0;      ///< an arrival later than the first of its beacon by more is an echo
-  int max_passes = 10;           ///< position and heading in turn, until neither moves
+  double gate_sigmas = 4.0;      ///< an arrival that is later than the first of its beacon by more is an echo
+  int max_passes = 10;           ///< alternating passes for position and heading, until neither changes
   LongsolveOptions longsolve{};
 };
 
-/// What a deployment lacks for Kleeman's method: planar motion, one-way ranging, 3 to 16 beacons of which
-/// three are usable, a vehicle with a receiver.
+/// Checks the requirements of Kleeman's method: planar motion, one-way ranging, 3 to 16 beacons with at least
+/// three usable ones, and a vehicle with a receiver.
 [[nodiscard]] Result<void> kleeman_fits(const Deployment& deployment);
 
-/// Kleeman's localizer: one fix an epoch, from arrivals whose clock may be off by any amount (a synchronised
-/// clock is solved for all the same). Bearings are ignored.
+/// Kleeman's localizer: one fix for each epoch from arrivals with an unknown clock offset, which is estimated
+/// even for a synchronised clock. Bearings are ignored.
 ///
-/// An arrival belongs to a receiver beside the vehicle's centre, on a side that depends on the heading, which
-/// depends on the position. So the first pass takes the first arrival of each beacon and the array for a
-/// point, as published (a ring makes all distances shorter by the same); the next ones carry every arrival to
-/// the centre with the position and heading of the pass before, average those of one beacon that agree, and
-/// end when neither moves. Heights and elevations: hyperbolic_fix.h.
+/// Receivers are displaced from the vehicle's centre, in a direction that depends on the heading, which
+/// depends on the position. The first pass therefore uses the first arrival of each beacon and treats the
+/// array as a point, as published (a ring shortens all distances equally). Each further pass reduces every
+/// arrival to the centre with the position and heading of the previous pass, averages the arrivals of a
+/// beacon that agree, and ends when neither changes. Heights and elevations: hyperbolic_fix.h.
 ///
-/// The covariance holds the arrivals' noise carried through the averaged triples and the heading, and of the
-/// calibration the beacons' covariance (without correlations between them), the receivers' sigmas, delays,
-/// and the speed. Keeps, vehicle by vehicle, where it was and the errors of the triples there, which decides
-/// which triples are averaged.
+/// The covariance includes the noise of the arrivals, propagated through the averaged triples and the
+/// heading. It also includes the calibration: covariances of the beacons (without correlations between
+/// beacons), sigmas of the receivers, delays and the speed. For each vehicle the last position and the errors
+/// of the triples there are kept; they determine which triples are averaged.
 class Kleeman : public Localizer {
  public:
-  /// @throws std::invalid_argument if the deployment does not fit, see kleeman_fits()
+  /// @throws std::invalid_argument if the deployment is unsuitable, see kleeman_fits()
   explicit Kleeman(const Deployment& deployment, const KleemanOptions& options = {});
   ~Kleeman() override;
 
-  /// Forgets where the vehicles were.
+  /// Forgets the last positions of the vehicles.
   void reset() noexcept;
 
  private:
-  /// The arrivals of one epoch of one vehicle. Those that longsolve outvotes are kOutvoted, late ones of a
-  /// beacon whose other arrivals agree are kLate, agreeing beacons in none of the averaged triples are
+  /// Locates one vehicle from the arrivals of one epoch. Arrivals rejected by longsolve are kOutvoted, late
+  /// ones of a beacon whose other arrivals agree kLate, and agreeing beacons outside the averaged triples
   /// kNotNeeded.
   void locate_known(const Observations& observations, Fix& fix) noexcept override;
   using Vehicle = KleemanVehicle;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// From longsolve's answer to a fix with its covariance.
+// Converts the solution of longsolve into a fix with its covariance.
 #include <numbers>
 
 #include <Eigen/LU>
@@ -14,7 +14,7 @@ void Kleeman::fill(std::span<const Arrival> arrivals, Fix& fix) const noexcept {
   const Work& w = *work_;
   const LongsolveFix& s = w.solution;
   fix.T_map_vehicle = Pose::planar(s.p_map_m.x(), s.p_map_m.y(), w.heading.rad);
-  // What gather() passed over is of an unusable beacon, of no vehicle of the call, or no number.
+  // Arrivals that gather() skipped: an unusable beacon, another vehicle, or no valid time.
   fix.rejections.assign(arrivals.size(), Rejection::kBeaconUnusable);
   for (const HeardDistance& h : w.heard) {
     Rejection& why = fix.rejections[h.arrival];
@@ -37,12 +37,12 @@ void Kleeman::fill(std::span<const Arrival> arrivals, Fix& fix) const noexcept {
   fix.arrivals_rejected = static_cast<int>(arrivals.size()) - fix.arrivals_used;
 }
 
-/// The passes end in P = A m(P, theta) and theta = theta(P), with A longsolve's gain and m the distances from
-/// the centre; so with B = A dm/dP, g = A dm/dtheta, h = dtheta/dP
+/// The passes converge to P = A m(P, theta) and theta = theta(P), with the gain A of longsolve and the
+/// distances m from the centre. With B = A dm/dP, g = A dm/dtheta, h = dtheta/dP,
 ///   [I - B  -g] [dP    ]   [A dm    ]
 ///   [ -h     1] [dtheta] = [dtheta|P]
-/// and what stands on the right has the noise of the beacons' means and that of the differences within
-/// beacons, which are independent of each other.
+/// The right-hand side has the noise of the beacons' means and that of the differences within beacons, which
+/// are independent.
 void Kleeman::propagate(Fix& fix) const noexcept {
   const Work& w = *work_;
   const LongsolveFix& s = w.solution;

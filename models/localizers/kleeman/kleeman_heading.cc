@@ -16,13 +16,14 @@ namespace octant {
 namespace {
 
 constexpr double kOverhead =
-    0.05;  // cosine of the elevation below which a beacon has no direction in the plan
+    0.05;  // cosine of the elevation below which a beacon has no horizontal direction
 constexpr int kMaxSteps = 20;
-constexpr double kSectorOdds = 30.0;  // a sector that holds the heading against one that does not
+constexpr double kSectorOdds = 30.0;  // odds of a sector that contains the heading
 constexpr double kAlike_rad =
-    0.02;                        // axes and sensitivities of receivers: bisectors are no better than a degree
-constexpr double kLouder = 3.0;  // sigmas of a difference between amplitudes that is no noise
-constexpr double kContradiction_rad = 1.0;  // a mean over headings so far apart is none of them
+    0.02;  // tolerance of axes and sensitivities of receivers: bisectors are accurate to about a degree
+constexpr double kLouder =
+    3.0;  // number of sigmas above which a difference between amplitudes is significant
+constexpr double kContradiction_rad = 1.0;  // spread of headings above which their mean is meaningless
 
 /// Normal equation of the heading.
 struct HeadingNormal {
@@ -30,7 +31,8 @@ struct HeadingNormal {
   Eigen::RowVector2d coupling = Eigen::RowVector2d::Zero();
 };
 
-/// Observations of one kind of one beacon, that have an unknown number in common: each less their mean.
+/// Observations of one kind and one beacon with a common unknown, which is eliminated by subtracting their
+/// mean.
 class Differences {
  public:
   void add(double residual, double sigma, double by_heading, const Eigen::RowVector2d& by_position) {
@@ -86,11 +88,11 @@ double best_of_grid(const HeadingInput& in) {
   return best_rad;
 }
 
-/// A beacon's bearing in the map, and the mean axis of the receivers that hear it, in the vehicle's frame.
+/// Bearing of a beacon in the map, and the mean axis of the receivers that observe it, in the vehicle frame.
 struct HeardFrom {
   bool known = false;
   Eigen::Vector2d bearing, axis;                                // unit vectors
-  Eigen::RowVector2d by_position = Eigen::RowVector2d::Zero();  // of the bearing, rad/m
+  Eigen::RowVector2d by_position = Eigen::RowVector2d::Zero();  // derivative of the bearing, rad/m
 };
 
 HeardFrom heard_from(const HeadingInput& in, std::size_t beacon) {
@@ -110,19 +112,20 @@ HeardFrom heard_from(const HeadingInput& in, std::size_t beacon) {
   return out;
 }
 
-/// Headings that one beacon allows.
+/// Interval of headings that one beacon allows.
 struct Sector {
   double middle_rad = 0.0, half_rad = 0.0;
-  Eigen::RowVector2d by_position = Eigen::RowVector2d::Zero();  // of either end
+  Eigen::RowVector2d by_position = Eigen::RowVector2d::Zero();  // derivative of either end
 };
 
-/// Where a beacon may be to the left of the mean axis.
+/// Bounds on the direction of a beacon to the left of the mean axis.
 struct OffAxisBounds {
   double least_rad = 0.0, most_rad = 0.0;
 };
 
-/// Of two receivers the louder is the nearer: the beacon is on its side of their bisector. Left as it is
-/// where that contradicts itself, as it does where one of them is not as sensitive as the others.
+/// The louder of two receivers is closer to the bearing, so the beacon is on its side of their bisector.
+/// Leaves the bounds unchanged if this is contradictory, as for a receiver with lower sensitivity than the
+/// others.
 void narrow_by_loudness(const HeadingInput& in, std::size_t beacon, const Eigen::Vector2d& mean_axis,
                         OffAxisBounds& bounds) {
   if (in.directional == nullptr) return;
@@ -160,8 +163,9 @@ std::optional<Sector> sector_of(const HeadingInput& in, std::size_t beacon) {
     }
     return ear;
   };
-  // Axes to the right and to the left of the mean one: the outermost that hear, and the nearest beyond them
-  // that are deaf. One that is deaf between two that hear has missed the pulse, and comes to lie a turn away.
+  // Axes to the right and left of the mean one: the outermost that observe the beacon, and the nearest beyond
+  // them that do not. A receiver without reception between two with reception has missed the pulse, and its
+  // axis is moved by a full turn.
   constexpr double kTurn_rad = 2 * std::numbers::pi, kNone = std::numeric_limits<double>::infinity();
   double hears_right = 0.0, hears_left = 0.0, deaf_right = -kNone, deaf_left = kNone;
   for (const bool hearing : {true, false}) {
@@ -177,20 +181,20 @@ std::optional<Sector> sector_of(const HeadingInput& in, std::size_t beacon) {
       }
     }
   }
-  if (!std::isfinite(deaf_left)) return std::nullopt;  // heard all round
+  if (!std::isfinite(deaf_left)) return std::nullopt;  // all receivers observe it
   const double mean_rad = angle_of(turn_between(heard.axis, heard.bearing));
-  // The bearing off the mean axis: between the bisectors of the last on one side that hears and the first on
-  // the other that does not.
+  // Bounds of the bearing relative to the mean axis: bisectors of the last axis on one side with reception
+  // and the first on the other without.
   OffAxisBounds off{(hears_left + deaf_right) / 2, (hears_right + deaf_left) / 2};
   narrow_by_loudness(in, beacon, heard.axis, off);
   return Sector{mean_rad - (off.most_rad + off.least_rad) / 2, (off.most_rad - off.least_rad) / 2,
                 heard.by_position};
 }
 
-/// Sectors on a line of headings, that begins and ends opposite to where most of them overlap.
+/// Sectors on a line of headings that begins and ends opposite to the largest overlap.
 class SectorOverlap {
  public:
-  /// Beyond kKleemanBeacons they are passed over: no system has more.
+  /// Ignores sectors beyond kKleemanBeacons, the largest number of beacons.
   void add(const Sector& sector) {
     if (count_ < sectors_.size()) sectors_[count_++] = sector;
   }
@@ -199,7 +203,7 @@ class SectorOverlap {
  private:
   struct End {
     double rad;
-    int opens;  // 1, or -1: closes
+    int opens;  // 1: opens a sector, -1: closes one
     Eigen::RowVector2d by_position;
   };
   void lay_out(double about_rad);
@@ -262,7 +266,7 @@ Heading SectorOverlap::heading() {
   heading.rad = wrap_angle(about_rad + mean_rad);
   heading.sigma_rad = std::sqrt(std::max(variance, kAlike_rad * kAlike_rad));
   depth = 0;
-  for (const End& end : ends) {  // an end that moves takes mass along
+  for (const End& end : ends) {  // effect of moving an end on the mass
     const double before = density(depth);
     heading.by_position +=
         (before - density(depth += end.opens)) * (end.rad - mean_rad) / mass * end.by_position;
@@ -302,7 +306,7 @@ ReceiverGain receiver_gain(const Eigen::Vector3d& beacon, const ArrayReceiver& r
   const double loss = 1 / distance_m + model.absorption_np_per_m;
   gain.log_directivity = directivity.value;
   gain.log = directivity.value - std::log(distance_m) - model.absorption_np_per_m * distance_m;
-  // By the receiver's place: the distance grows along -e, the direction turns.
+  // Derivative by the receiver's position: the distance grows along -e, and the direction rotates.
   gain.by_position =
       (loss * e.head<2>() - directivity.by_cosine / distance_m * (axis - cosine * e.head<2>())).transpose();
   gain.by_heading =
@@ -346,7 +350,7 @@ Heading heading_from_differences(const HeadingInput& in, const Heading& start) {
   for (int i = 0; i < kMaxSteps; ++i) {
     normal = normal_equation(in, heading.rad);
     if (!(normal.information * std::numbers::pi * std::numbers::pi > 1))
-      return Heading{};  // nothing is told of an angle
+      return Heading{};  // no information about an angle
     const double step_rad = std::clamp(normal.gradient / normal.information, -0.5, 0.5);
     heading.rad = wrap_angle(heading.rad + step_rad);
     if (std::abs(step_rad) < 1e-10) break;

@@ -13,59 +13,60 @@
 
 namespace octant {
 
-// Orientation of the receiver array about the vertical, once the position is known (L. Kleeman, sections 5.1
-// and 6).
+// Orientation of the receiver array about the vertical, for a known position (L. Kleeman, sections 5.1 and
+// 6).
 
-/// What the heading is taken from.
+/// Information that the heading is computed from.
 enum class KleemanHeading {
-  kMeanAxes,  ///< which receivers hear, to 45 degrees a beacon, averaged: as published
-  kHearing,   ///< which receivers hear and which of them louder, as sectors that the beacons leave together
-  kInterpolation,  ///< differences of arrival times and, where receivers are directional, of amplitudes
+  kMeanAxes,  ///< reception by each receiver, with a resolution of 45 degrees for each beacon, averaged as
+              ///< published
+  kHearing,   ///< reception and relative loudness, as the intersection of the sectors that the beacons allow
+  kInterpolation,  ///< differences between arrival times, and between amplitudes of directional receivers,
                    ///< across the array
 };
 
 /// A receiver of the array, in the vehicle frame.
 struct ArrayReceiver {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-  std::optional<Eigen::Vector2d> axis;                  ///< horizontal direction of hearing, unit vector
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< of hearing, unit vector; zero: all round alike
+  std::optional<Eigen::Vector2d> axis;                  ///< horizontal axis, unit vector
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< axis, unit vector; zero: omnidirectional
   double delay_s = 0.0;
-  double variance_m2 = 0.0;  ///< of a distance through it, beside the noise: its place and its delay
+  double variance_m2 = 0.0;  ///< variance of a distance due to the receiver's position and delay
 };
 
-/// One arrival as a distance.
+/// An arrival as a distance.
 struct HeardDistance {
-  std::size_t arrival = 0;  ///< index into the arrivals given
+  std::size_t arrival = 0;  ///< index into the arrivals
   std::size_t beacon = 0;
-  std::size_t receiver = 0;  ///< index into the vehicle's receivers
-  double time_m =
-      0.0;  ///< distance but for the time-walk, and longer than the true one by the cycle's unknown offset
-  double slant_m = 0.0;  ///< time-walk taken out as well
+  std::size_t receiver = 0;  ///< index into the receivers of the vehicle
+  double time_m = 0.0;       ///< distance including the time-walk and the unknown cycle offset
+  double slant_m = 0.0;      ///< distance without the time-walk
   double sigma_m = 0.0;
-  double centred_m = 0.0;      ///< slant_m as from the vehicle's centre
-  bool walk_known = false;     ///< from a measured amplitude
-  double log_amplitude = 0.0;  ///< ln(A / 1 V), where walk_known
-  bool kept = true;            ///< agrees with the other arrivals of its beacon
+  double centred_m = 0.0;      ///< slant_m reduced to the vehicle's centre
+  bool walk_known = false;     ///< true if the walk follows from a measured amplitude
+  double log_amplitude = 0.0;  ///< ln(A / 1 V), if walk_known
+  bool kept = true;            ///< true if it agrees with the other arrivals of its beacon
 };
 
-/// What the heading is computed from: the arrivals kept, and where vehicle and beacons are.
+/// Inputs of the heading: the arrivals that agree, and the positions of vehicle and beacons.
 struct HeadingInput {
   std::span<const HeardDistance> heard;
   std::span<const Eigen::Vector3d> beacon_p_map_m;
   std::span<const ArrayReceiver> receivers;
   Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
-  const AttenuationModel* directional = nullptr;  ///< not owned; where it is, amplitudes tell of angles
+  const AttenuationModel* directional =
+      nullptr;  ///< not owned; if given, amplitudes contribute to the heading
   double log_amplitude_sigma = 0.0;
 };
 
 struct Heading {
   bool known = false;
   double rad = 0.0;
-  double sigma_rad = 0.0;  ///< from the arrivals' noise, with the position held
+  double sigma_rad = 0.0;  ///< due to the noise of the arrivals, for a fixed position
   Eigen::RowVector2d by_position = Eigen::RowVector2d::Zero();  ///< rad/m
 };
 
-/// Distance of a receiver from a beacon when the vehicle stands at p with a heading, and its derivatives.
+/// Distance of a receiver from a beacon, for a vehicle at position p with a heading, and its derivatives.
 struct ReceiverPath {
   double slant_m = 0.0;
   Eigen::RowVector2d by_position;  ///< no unit
@@ -74,10 +75,10 @@ struct ReceiverPath {
 [[nodiscard]] ReceiverPath receiver_path(const Eigen::Vector3d& beacon_p_map_m, const ArrayReceiver& receiver,
                                          const Eigen::Vector2d& p_map_m, double heading_rad);
 
-/// The same of what the receiver hears, ln(A / A_1m): spreading, absorption, and its directivity.
+/// Received log amplitude, ln(A / A_1m), with its derivatives: spreading, absorption and directivity.
 struct ReceiverGain {
   double log = 0.0;
-  double log_directivity = 0.0;                                 ///< the last of the three
+  double log_directivity = 0.0;                                 ///< the directivity alone
   Eigen::RowVector2d by_position = Eigen::RowVector2d::Zero();  ///< 1/m
   double by_heading = 0.0;                                      ///< 1/rad
 };
@@ -85,31 +86,35 @@ struct ReceiverGain {
                                          const Eigen::Vector2d& p_map_m, double heading_rad,
                                          const AttenuationModel& model);
 
-/// As published: each beacon is heard from the middle direction of the receivers that hear it, which the
-/// array resolves to one receiver spacing (45 degrees); its bearing in the map less that is a heading, and
-/// the mean over the beacons is the result. The rounding is uniform, so n beacons leave 45 / sqrt(12 n)
-/// degrees: 5.3 with six. Unknown without axes.
+/// Heading as published. The direction of a beacon is the mean axis of the receivers that observe it, with a
+/// resolution of one receiver spacing (45 degrees). Its difference from the beacon's bearing in the map is a
+/// heading, and the result is the mean over the beacons. The rounding error is uniform, so with n beacons
+/// sigma is 45 / sqrt(12 n) degrees: 5.3 for six. Unknown without axes.
 [[nodiscard]] Heading heading_from_mean_axes(const HeadingInput& input);
 
-/// All that hearing tells. A receiver that hears a beacon has its axis nearer to the beacon's bearing than
-/// one that does not, however wide the angle is in which receivers alike hear at that distance. So the
-/// bearing lies between two bisectors of axes, 22.5 degrees to either side of the mean axis, for two
-/// receivers that hear as for three, and each beacon leaves a sector of headings. Where the sectors of most
-/// beacons overlap is the heading: any there is as likely as another, so the result is the middle and sigma
-/// the overlap's width / sqrt(12). A receiver whose arrival was left out may or may not hear and bounds
-/// nothing. One that missed its pulse turns a sector by half a receiver spacing, as if one beacon in thirty
-/// disagreed: headings with one beacon less count that much less, and keep sigma from what a sliver of
-/// overlap would promise. Where the number that hears varies, sectors could be narrower if the angle were
-/// known: sigma is on the safe side. Of two directional receivers that hear, the one that is louder by more
-/// than noise is the nearer: half a sector, and no more need be known of the directivity than that it falls.
-/// Unknown without axes, or where the beacons contradict each other.
+/// Heading from the set of receivers that observe each beacon. A receiver that observes a beacon has its axis
+/// closer to the bearing of the beacon than one that does not, whatever the beam width at that distance. The
+/// bearing therefore lies between two bisectors of axes, 22.5 degrees to either side of the mean axis, and
+/// each beacon allows a sector of headings.
+///
+/// The heading is the middle of the interval in which the sectors of most beacons overlap. All headings there
+/// are equally likely, so sigma is the width of the overlap over sqrt(12). A receiver whose arrival was
+/// rejected gives no bound. A missed pulse turns a sector by half a receiver spacing, as if one beacon in
+/// thirty disagreed. Headings with one beacon less are weighted accordingly, so that a small overlap does not
+/// give an optimistic sigma. Sectors could be narrower if the beam width were known, so sigma is
+/// conservative.
+///
+/// Among two directional receivers, the one that is louder by more than noise is closer to the bearing, which
+/// halves the sector. This requires only that the directivity decreases with the angle. Unknown without axes,
+/// or if the beacons contradict each other.
 [[nodiscard]] Heading heading_from_hearing(const HeadingInput& input);
 
-/// Interpolated between receivers, as the paper proposes: least squares of the differences between the
-/// arrivals of one beacon at several receivers, in time and, of directional receivers, in amplitude. The
-/// means of a beacon's arrivals do not enter, so neither does the unknown offset, nor how loud the beacon is.
-/// @param start  where it begins; not known: the best of 36 headings. Unknown where no beacon is heard by two
-/// receivers.
+/// Heading by interpolation between receivers, as the paper proposes: least squares on the differences
+/// between the arrivals of one beacon at several receivers, in time and, for directional receivers, in
+/// amplitude. The mean of a beacon's arrivals is eliminated, and with it the unknown offset and the loudness
+/// of the beacon.
+/// @param start  initial heading; if unknown, the best of 36 headings. The result is unknown if no beacon is
+/// observed by two receivers.
 [[nodiscard]] Heading heading_from_differences(const HeadingInput& input, const Heading& start);
 
 }  // namespace octant

@@ -11,11 +11,11 @@ namespace octant {
 namespace {
 
 constexpr int kMaxAveraged = 32;
-constexpr double kLongsolveRounding_m =
-    1e-6;  // deviations below this are the iteration's, not the distances'
+constexpr double kLongsolveRounding_m = 1e-6;  // deviations below this are due to the iteration
 constexpr double kThin =
-    0.2;  // beacons lie on a line when they spread across it less than this part of along it
-constexpr double kOutside_m = 1.0;  // a place so far from all beacons' box is not in the environment
+    0.2;  // beacons are collinear if their lateral spread is below this share of their extent
+constexpr double kOutside_m =
+    1.0;  // largest distance of a valid position from the bounding box of all beacons
 using Gain = Eigen::Matrix<double, 2, kKleemanBeacons>;
 using Row = Eigen::Matrix<double, 1, kKleemanBeacons>;
 
@@ -27,14 +27,14 @@ Eigen::Vector2d mirrored(const Eigen::Vector2d& p, const Eigen::Vector2d& on_lin
 
 }  // namespace
 
-/// What all attempts at one place have in common.
+/// Data shared by all attempts at one position.
 struct Longsolve::Problem {
   const OffsetDistances& distances;
   BeaconSet valid;
   Row variance_m2;
   double scale_sigma;
 
-  /// Variance of a linear combination of the distances, the shared scale included.
+  /// Variance of a linear combination of the distances, including their common scale.
   [[nodiscard]] double variance(const Row& by_distance, const Row& length_m) const {
     const double scale_m = scale_sigma * by_distance.dot(length_m);
     return by_distance.cwiseAbs2().dot(variance_m2) + scale_m * scale_m;
@@ -47,7 +47,7 @@ struct Longsolve::Solution {
   Gain gain = Gain::Zero();
 };
 
-/// The triples that are averaged, and how often each beacon is used in them.
+/// The averaged triples, with the number of uses of each beacon.
 struct Longsolve::Average {
   std::array<Solution, kMaxAveraged> members;
   int count = 0;
@@ -63,7 +63,7 @@ struct Longsolve::Average {
     members[static_cast<std::size_t>(at)] = members[static_cast<std::size_t>(--count)];
     for (const std::uint8_t b : beacons) --uses[b];
   }
-  /// Step 3: x and y each weighted with the inverse of their estimated error.
+  /// Step 3: weights of x and y are the inverses of their estimated errors.
   void weigh(const std::vector<Eigen::Vector2d>& error) {
     Eigen::Array2d sum = Eigen::Array2d::Zero(), at = Eigen::Array2d::Zero();
     gain.setZero();
@@ -132,7 +132,7 @@ bool Longsolve::solve_triple(const Problem& problem, std::uint16_t triple, const
   return true;
 }
 
-/// Step 1: the "quick and dirty" solution, from the least-error triple that has one.
+/// Step 1: the "quick and dirty" solution from the triple with the smallest error that has one.
 bool Longsolve::quick(const Problem& problem, BeaconSet subset, const LongsolveMemory& memory,
                       Eigen::Vector2d& p) const noexcept {
   Solution solution;
@@ -146,7 +146,7 @@ bool Longsolve::quick(const Problem& problem, BeaconSet subset, const LongsolveM
 }
 
 /// The four steps of the paper.
-/// @param wanted  beacons that may be averaged; those that are too rough for it take part in resolve() alone
+/// @param wanted  beacons that may be averaged; less accurate ones are used in resolve() only
 LongsolveFix Longsolve::attempt(const Problem& problem, BeaconSet wanted, const Eigen::Vector2d& start,
                                 LongsolveMemory& memory) const noexcept {
   const BeaconSet subset = wanted & ~problem.distances.rough;
@@ -159,7 +159,7 @@ LongsolveFix Longsolve::attempt(const Problem& problem, BeaconSet wanted, const 
 
   Average average;
   std::size_t next = 0;
-  const auto fill = [&] {  // the next best triples whose beacons are not used up
+  const auto fill = [&] {  // adds the next best triples whose beacons may still be used
     Solution solution;
     for (; next < memory.order.size() && average.count < options_.triples; ++next) {
       const std::uint16_t t = memory.order[next];
@@ -201,11 +201,11 @@ LongsolveFix Longsolve::attempt(const Problem& problem, BeaconSet wanted, const 
   return fix;
 }
 
-/// What each beacon's distance has to say about the average, used in it or not.
+/// Residual of each beacon at the averaged position, whether used in it or not.
 void Longsolve::resolve(const Problem& problem, LongsolveFix& fix) const noexcept {
   const auto n = static_cast<int>(beacons_.size());
   Row length_m = Row::Zero(), by_offset = Row::Zero();
-  std::array<Row, kKleemanBeacons> by;  // of each residual, by the distances
+  std::array<Row, kKleemanBeacons> by;  // derivative of each residual by the distances
   double sum_m = 0.0;
   for (int b = 0; b < n; ++b) {
     const auto i = static_cast<std::size_t>(b);
@@ -233,11 +233,11 @@ void Longsolve::resolve(const Problem& problem, LongsolveFix& fix) const noexcep
   }
 }
 
-/// All that was averaged agrees, there are enough to tell, and what disagrees is late: a direct pulse cannot
-/// be (one that is early is believed to be spurious when six agree).
+/// Accepts a solution if all averaged distances agree, enough of them agree, and the others are late. A
+/// direct pulse cannot be early; an early one counts as spurious if six agree.
 bool Longsolve::acceptable(const Problem& problem, const LongsolveFix& fix) const noexcept {
   if (!fix.ok() || (fix.averaged & ~fix.agreeing).any()) return false;
-  // Rough distances agree with much: neither do they make up for others, nor may they contradict.
+  // Inaccurate distances agree with many positions: they neither replace others nor may they contradict.
   for (const BeaconSet counted :
        {problem.distances.heard & ~problem.distances.rough, problem.distances.heard}) {
     const auto heard = static_cast<int>(counted.count());
@@ -292,7 +292,7 @@ double Longsolve::outside_m(const Eigen::Vector2d& p) const noexcept {
   return (low_m_ - p).cwiseMax(p - high_m_).cwiseMax(0.0).norm();
 }
 
-/// The middle of the beacons, beside their line if they are all on one.
+/// Centre of the beacons, displaced to the side if they are collinear.
 Eigen::Vector2d Longsolve::first_guess(BeaconSet valid) const noexcept {
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
@@ -309,9 +309,9 @@ Eigen::Vector2d Longsolve::first_guess(BeaconSet valid) const noexcept {
   return middle;
 }
 
-/// Whether another place explains the distances as well: the mirror image behind a line of beacons, or, where
-/// nothing is redundant, the other intersection of the same two hyperbolas. Beacons stand round the
-/// environment, so a place among them wins against one a metre outside.
+/// Returns true if another position explains the distances equally well: the mirror image at a line of
+/// beacons, or, without redundancy, the second intersection of the same two hyperbolas. Beacons surround the
+/// environment, so a position between them is preferred over one a metre outside.
 bool Longsolve::ambiguous(const Problem& problem, const LongsolveFix& fix,
                           LongsolveMemory& memory) const noexcept {
   const double sigma_m = std::sqrt(fix.gain.cwiseAbs2().colwise().sum().dot(problem.variance_m2));
@@ -352,7 +352,7 @@ LongsolveFix Longsolve::solve(const OffsetDistances& distances, BeaconSet valid,
   const Eigen::Vector2d guess = first_guess(valid);
   LongsolveFix fix = attempt(problem, valid, memory.placed ? memory.p_map_m : guess, memory);
   if (!acceptable(problem, fix) && memory.placed)
-    fix = attempt(problem, valid, guess, memory);  // it was carried elsewhere
+    fix = attempt(problem, valid, guess, memory);  // the vehicle was carried elsewhere
   if (!acceptable(problem, fix)) fix = search_exclusions(problem, guess, memory);
   if (!fix.ok()) {
     bool determined = false;

@@ -15,75 +15,75 @@
 
 namespace octant {
 
-// L. Kleeman, section 5.2: the position from distances to all beacons, as a weighted average of the best
-// triples that agree.
+// L. Kleeman, section 5.2: position from distances to all beacons, as a weighted average of the best triples
+// that agree.
 
 struct LongsolveOptions {
-  int triples = 7;           ///< averaged, of the 20 that 6 beacons form; at most 32
-  int max_uses = 5;          ///< of one beacon's distance in the average
-  int min_triples = 3;       ///< no triple is removed when only so many are left
-  double recompute_m = 1.0;  ///< the errors of all triples are computed anew after a move longer than this
-  double deviation_sigmas = 3.5;  ///< a triple, or a beacon, that deviates more disagrees
-  /// How many beacons may be left out in turn, and longsolve run on the others, when what it gives
-  /// contradicts its own distances. 0: as published, where a late beacon in the majority of the averaged
-  /// triples may outvote the good ones.
+  int triples = 7;                ///< number averaged, of the 20 triples of 6 beacons; at most 32
+  int max_uses = 5;               ///< largest number of uses of one beacon's distance in the average
+  int min_triples = 3;            ///< triples are removed only while more than these are left
+  double recompute_m = 1.0;       ///< the errors of all triples are computed again after a longer move
+  double deviation_sigmas = 3.5;  ///< a triple or beacon with a larger deviation disagrees
+  /// Number of beacons that may be excluded, one after the other, if the result contradicts its own
+  /// distances. Longsolve is then run on the others. 0: as published; a late beacon in the majority of the
+  /// averaged triples may then outvote the good ones.
   int max_exclusions = 2;
-  int min_agreeing = 4;  ///< beacons; where fewer are heard, all of them (never fewer than 3)
-  /// And more than this part of those heard. Two beacons in shadows leave four of six, which have one
-  /// distance to spare: then one fix in 300 is a coincidence, decimetres off. Half, if a fix that may be
-  /// wrong is better than none.
+  int min_agreeing = 4;  ///< number of beacons that must agree, or all (at least 3) if fewer are received
+  /// Share of the received beacons that must agree. With two shadowed beacons out of six, four remain, with
+  /// one redundant distance; then one fix in 300 is a coincidence with an error of decimetres. Use one half
+  /// if a fix that may be wrong is better than none.
   double agreeing_share = 0.67;
-  double ambiguity_margin = 4.0;  ///< two answers are equally good when their chi-squares differ by less
-  double max_sigma_m = 1.0;       ///< a sigma of x or y beyond this is poor geometry
+  double ambiguity_margin = 4.0;  ///< two solutions are equally good if their chi-squares differ by less
+  double max_sigma_m = 1.0;       ///< sigmas of x or y above this are poor geometry
   HyperbolicFixOptions hyperbolic{};
 };
 
-/// What longsolve keeps from one call to the next: where it was, and the estimated errors of all triples near
-/// there.
+/// State of longsolve between calls: last position, and estimated errors of all triples near it.
 struct LongsolveMemory {
   bool placed = false;
   Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
   bool has_errors = false;
   Eigen::Vector2d errors_at_map_m = Eigen::Vector2d::Zero();
-  std::vector<Eigen::Vector2d> error;  ///< of x and y of each triple, for distances good to one metre
-  std::vector<std::uint16_t> order;    ///< triples, least error first
+  std::vector<Eigen::Vector2d>
+      error;  ///< errors of x and y of each triple, for distances with a sigma of one metre
+  std::vector<std::uint16_t> order;  ///< triples in order of their errors, smallest first
 };
 
 struct LongsolveFix {
   FixStatus status = FixStatus::kTooFewArrivals;
   Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
-  /// Derivatives of the position by the distances, a column a beacon; each row adds up to zero.
+  /// Derivatives of the position by the distances, one column for each beacon; the sum of each row is zero.
   Eigen::Matrix<double, 2, kKleemanBeacons> gain = Eigen::Matrix<double, 2, kKleemanBeacons>::Zero();
-  double offset_m = 0.0;                             ///< by which all distances are too long
-  std::array<double, kKleemanBeacons> residual_m{};  ///< distance less offset less what the position explains
-  BeaconSet averaged;                                ///< in the triples of the average
-  BeaconSet agreeing, late, early;                   ///< by the residuals, of all beacons given
-  int triples = 0;                                   ///< in the average
-  double chi2 = 0.0;                                 ///< of the agreeing beacons' residuals
+  double offset_m = 0.0;                             ///< common excess of all distances
+  std::array<double, kKleemanBeacons> residual_m{};  ///< distance minus offset minus predicted distance
+  BeaconSet averaged;                                ///< beacons in the averaged triples
+  BeaconSet agreeing, late, early;                   ///< judged by the residuals of all given beacons
+  int triples = 0;                                   ///< number of averaged triples
+  double chi2 = 0.0;                                 ///< of the residuals of the agreeing beacons
 
   [[nodiscard]] bool ok() const { return status == FixStatus::kOk; }
 };
 
-/// Averages the best triples. Three beacons give one triple and no redundancy; with four or more, beacons
-/// that are late are told from the others, and where they cannot be there is no fix.
+/// Averages the best triples. Three beacons give one triple without redundancy. With four or more, late
+/// beacons are identified; if they cannot be, there is no fix.
 class Longsolve {
  public:
-  /// @param beacons  3 to 16, all that there are; those not heard are left out call by call
+  /// @param beacons  all 3 to 16 beacons; those without a distance are skipped in each call
   Longsolve(std::span<const PlanBeacon> beacons, const LongsolveOptions& options);
 
-  /// Memory of the right size, which solve() then never resizes.
+  /// Memory of the required size, which solve() does not resize.
   [[nodiscard]] LongsolveMemory memory() const;
 
   /// @param valid               beacons whose distances passed validation; a subset of distances.heard
-  /// @param scale_sigma         relative sigma of the speed of sound, which all distances share
-  /// @return kTooFewArrivals: fewer than three beacons heard. kPoorGeometry: no triple determines the place.
-  /// kNoConsensus: too many distances disagree. kAmbiguous: another place explains them as well.
+  /// @param scale_sigma         relative sigma of the speed of sound, common to all distances
+  /// @return kTooFewArrivals: fewer than three beacons. kPoorGeometry: no triple determines the position.
+  /// kNoConsensus: too many distances disagree. kAmbiguous: another position explains them equally well.
   [[nodiscard]] LongsolveFix solve(const OffsetDistances& distances, BeaconSet valid, double scale_sigma,
                                    LongsolveMemory& memory) const noexcept;
 
  private:
   using Triple = std::array<std::uint8_t, 3>;
-  struct Solution;  ///< of one triple
+  struct Solution;  ///< solution of one triple
   struct Average;
   struct Problem;
 
@@ -109,7 +109,7 @@ class Longsolve {
   std::vector<PlanBeacon> beacons_;
   std::vector<Triple> triples_;
   LongsolveOptions options_;
-  Eigen::Vector2d low_m_, high_m_;  ///< box round the beacons
+  Eigen::Vector2d low_m_, high_m_;  ///< bounding box of the beacons
 };
 
 }  // namespace octant

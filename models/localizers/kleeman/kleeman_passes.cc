@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// From arrivals at receivers to distances of beacons from the vehicle's centre.
+// Converts arrivals at receivers into distances of beacons from the vehicle's centre.
 #include <limits>
 
 #include "models/localizers/kleeman/kleeman.h"
@@ -10,13 +10,13 @@
 namespace octant {
 namespace {
 
-constexpr double kMaxPassShare = 0.95;  // of an amplitude that is predicted for a pulse that was heard
+constexpr double kMaxPassShare = 0.95;  // largest ratio of threshold to predicted amplitude
 constexpr double kMinPassDistance_m = 0.05;
 
 }  // namespace
 
-/// d = c (T - beacon's delay - receiver's delay), the drift of the vehicle's clock since the epoch's first
-/// arrival taken out.
+/// d = c (T - beacon's delay - receiver's delay), corrected for the drift of the vehicle's clock since the
+/// first arrival of the epoch.
 void Kleeman::gather(std::span<const Arrival> arrivals) noexcept {
   Work& w = *work_;
   w.heard.clear();
@@ -48,12 +48,12 @@ void Kleeman::gather(std::span<const Arrival> arrivals) noexcept {
     h.receiver = receiver;
     h.time_m = w.speed_mps * (a.tof_s - beacon.delay_s - r.delay_s - drifted_s);
     const double noise_m = w.speed_mps * std::hypot(noise.tof_sigma_s, pair_s);
-    // A noise of nothing would make every rounding error an outlier: a tenth of a micrometre is none.
+    // With zero noise every rounding error would be an outlier, so a tenth of a micrometre is added.
     double variance_m2 = noise_m * noise_m + r.variance_m2 + 1e-14;
     if (deployment_.attenuation && deployment_.attenuation->measures(a.amplitude_v)) {
       const AttenuationModel& model = *deployment_.attenuation;
       const double share = std::min(model.threshold_v / a.amplitude_v, kMostMeasuredShare);
-      h.time_m -= w.speed_mps * walk_of_share_s(share, model);  // at the amplitude measured
+      h.time_m -= w.speed_mps * walk_of_share_s(share, model);  // walk at the measured amplitude
       const double spread_m =
           w.speed_mps * walk_by_log_amplitude_s(a.amplitude_v, model) * noise.amplitude_relative_sigma;
       variance_m2 += spread_m * spread_m;
@@ -75,14 +75,15 @@ void Kleeman::subtract_walk(HeardDistance& h, double distance_m, double log_dire
   h.slant_m = h.time_m - work_->speed_mps * walk_of_share_s(share, model);
 }
 
-/// First pass: the first arrival of each beacon, the array a point. The first is the first that another one
-/// of the beacon's supports, where there are more: a spurious early pulse comes alone.
+/// First pass: uses the first arrival of each beacon and treats the array as a point. An arrival must be
+/// confirmed by another one of the same beacon if there are several, because a spurious early pulse is
+/// isolated.
 void Kleeman::earliest() noexcept {
   Work& w = *work_;
   const Vehicle& v = *w.vehicle;
   w.distances.heard.reset();
   double walk_m =
-      0.0;  // not known without a distance: that of the middle of the site, and as much again unknown
+      0.0;  // unknown without a distance: use that of the site's centre, with an equal uncertainty
   if (deployment_.attenuation) {
     double extent_m = 0.0;
     for (const Eigen::Vector3d& b : beacon_p_map_m_)
@@ -110,8 +111,8 @@ void Kleeman::earliest() noexcept {
   }
 }
 
-/// The other passes: every arrival as from the vehicle's centre, by the position and the heading found
-/// before.
+/// Further passes: reduces every arrival to the vehicle's centre with the position and heading of the
+/// previous pass.
 void Kleeman::centre() noexcept {
   Work& w = *work_;
   const Vehicle& v = *w.vehicle;
@@ -136,8 +137,8 @@ void Kleeman::centre() noexcept {
   }
 }
 
-/// Which arrivals of a beacon belong together: the first that has company (the first of all if none has), and
-/// those no later than noise, and what is not known of the lever arms, explain.
+/// Selects the consistent arrivals of a beacon: the first that another one confirms (the first of all if none
+/// is confirmed), and those within noise and lever-arm uncertainty after it.
 void Kleeman::keep_agreeing(std::size_t beacon) noexcept {
   Work& w = *work_;
   const bool first_pass = !w.heading_tried;
@@ -168,7 +169,7 @@ void Kleeman::keep_agreeing(std::size_t beacon) noexcept {
   }
 }
 
-/// Weighted mean of the arrivals kept. The calibration's part and the heading's do not average out.
+/// Weighted mean of the selected arrivals. Errors of calibration and heading do not average out.
 void Kleeman::combine(std::size_t beacon) noexcept {
   Work& w = *work_;
   double weight = 0.0, sum_m = 0.0, by_heading = 0.0;
@@ -188,11 +189,11 @@ void Kleeman::combine(std::size_t beacon) noexcept {
   w.distances.sigma_m[beacon] = std::sqrt(1 / weight + calibration_variance_m2(beacon) + turned_m * turned_m);
 }
 
-/// The triples' estimated errors take all distances for equally good. One whose pulse just passes the
-/// threshold, as those of a beacon high above do, may be good to centimetres where others are to millimetres:
-/// the place does better without, as long as four others are heard.
+/// The error estimates of triples assume equally accurate distances. A distance whose pulse barely exceeds
+/// the threshold, as from a beacon high above, may be accurate to centimetres where others are to
+/// millimetres. The position is better without it if four other beacons are received.
 void Kleeman::set_rough_aside() noexcept {
-  constexpr double kRough = 4.0;  // of the median sigma
+  constexpr double kRough = 4.0;  // ratio to the median sigma
   constexpr std::size_t kEnough = 4;
   OffsetDistances& d = work_->distances;
   d.rough.reset();
@@ -206,7 +207,7 @@ void Kleeman::set_rough_aside() noexcept {
   for (std::size_t b = 0; b < beacon_p_map_m_.size(); ++b) d.rough[b] = d.heard[b] && d.sigma_m[b] > limit_m;
 }
 
-/// Of a beacon's distance: its place along the line of sight, and its delay.
+/// Variance of a beacon's distance due to its position along the line of sight and its delay.
 double Kleeman::calibration_variance_m2(std::size_t beacon) const noexcept {
   const DeploymentBeacon& b = deployment_.beacons[beacon];
   const Eigen::Vector3d to(b.position_m - Eigen::Vector3d(work_->solution.p_map_m.x(),

@@ -8,10 +8,10 @@
 
 namespace octant {
 
-// L. Kleeman, "Ultrasonic autonomous robot localisation system", section 2: the beacons fire in turn, round
-// and round, beacon 0 twice in short succession so that the receiver can tell whose turn it is.
+// L. Kleeman, "Ultrasonic autonomous robot localisation system", section 2: the beacons fire cyclically one
+// after the other. Beacon 0 fires twice in short succession, so that the receiver can identify the beacons.
 
-/// Pulses of one cycle. The defaults are the prototype's.
+/// Pulses of one cycle. Defaults: the prototype.
 struct FiringSchedule {
   int beacons = 6;           ///< 3 to 16
   double fire_s = 0.150;     ///< t_fire, between the firings of successive beacons
@@ -24,26 +24,26 @@ struct FiringSchedule {
   return schedule.beacons * schedule.fire_s;
 }
 
-/// When a beacon fires, from the start of cycle 0 [s].
+/// Time at which a beacon fires, from the start of cycle 0 [s].
 [[nodiscard]] inline double firing_s(const FiringSchedule& schedule, BeaconId beacon, std::int64_t epoch) {
   return (static_cast<double>(epoch) * schedule.beacons + beacon.value) * schedule.fire_s;
 }
 
-/// What the time between firings is chosen from. The defaults are the prototype's.
+/// Parameters that determine the time between firings. Defaults: the prototype.
 struct FiringDesign {
-  double amplitude_1m_v = 12.5;    ///< V_1m, at the receiver 1 m before the beacon
+  double amplitude_1m_v = 12.5;    ///< V_1m, at a receiver 1 m in front of the beacon
   double threshold_v = 0.2;        ///< V_thresh
-  double absorbed_fraction = 0.0;  ///< alpha, of the amplitude, at each reflection
-  int reflections = 0;             ///< n, round the room until the next firing
+  double absorbed_fraction = 0.0;  ///< alpha: loss of amplitude at each reflection
+  int reflections = 0;             ///< n: number of reflections until the next firing
   double speed_mps = 345.0;        ///< v_sound
 };
 
-/// Shortest time between firings after which nothing of a pulse is heard any more (eq. 1):
+/// Shortest time between firings after which echoes of a pulse are below the threshold (eq. 1):
 ///   t_fire > V_1m (1 - alpha)^n / (V_thresh v_sound)
-/// The amplitude falls with 1 / distance; the echo has gone t_fire v_sound. An echo heard after the next
-/// firing would be taken for an early pulse of the next beacon, which is what the whole method holds
-/// impossible.
-/// @return s; 416 ms for a threshold of 87 mV without absorption. (The paper prints 480 ms, which its own
+/// The amplitude is inversely proportional to the distance, which is t_fire v_sound for the echo. An echo
+/// received after the next firing would be mistaken for an early pulse of the next beacon, and the method
+/// relies on the absence of early pulses.
+/// @return s; 416 ms for a threshold of 87 mV without absorption. (The paper prints 480 ms, which its
 /// equation gives for 300 m/s, not for its 345 m/s.)
 [[nodiscard]] double shortest_fire_s(const FiringDesign& design);
 

@@ -8,7 +8,7 @@
 namespace octant {
 namespace {
 
-constexpr double kArrayFlight_s = 1e-3;  // across a receiver array, and what the detector adds
+constexpr double kArrayFlight_s = 1e-3;  // time across a receiver array, plus that of the detector
 
 }  // namespace
 
@@ -18,7 +18,8 @@ void PulseSync::remember(const PulseArrival& pulse) noexcept {
   ++remembered_[c];
 }
 
-/// Whether a pulse is the second of a double: same channel, right lengths, right time, alike in amplitude.
+/// Returns true if a pulse is the second of a double pulse: same channel, matching lengths, separation and
+/// amplitude.
 bool PulseSync::completes_double(const PulseArrival& second, double& first_s) const noexcept {
   const FiringSchedule& s = options_.schedule;
   const auto right_length = [&](const PulseArrival& p) {
@@ -37,7 +38,7 @@ bool PulseSync::completes_double(const PulseArrival& second, double& first_s) co
   return false;
 }
 
-/// Counts a channel on which a double pulse was heard, as one more of the same or the first of another.
+/// Counts a channel that received a double pulse, as part of the same signature or as the first of a new one.
 void PulseSync::count(double first_s, Signature& signature) noexcept {
   if (std::abs(first_s - signature.time_s) <= kArrayFlight_s) {
     signature.time_s = std::min(signature.time_s, first_s);
@@ -47,12 +48,12 @@ void PulseSync::count(double first_s, Signature& signature) noexcept {
   }
 }
 
-/// Whether a double pulse is beacon 0's own: heard on most of the channels that heard its first part (an echo
-/// comes from another side), and with nothing stronger before it (two echoes of one pulse may be t_double
-/// apart, but they follow it).
+/// Returns true if a double pulse is beacon 0's own. It must be received on most of the channels that
+/// received its first pulse (an echo arrives from another side), without a stronger pulse before it (two
+/// echoes of one pulse may be t_double apart, but they follow that pulse).
 bool PulseSync::credible(const Signature& signature) const noexcept {
-  const double since_s =
-      signature.time_s - (options_.schedule.fire_s - options_.max_flight_s);  // nothing direct of others
+  const double since_s = signature.time_s - (options_.schedule.fire_s -
+                                             options_.max_flight_s);  // no direct pulse of other beacons
   int heard = 0;
   double before_v = 0.0, amplitude_v = 0.0;
   for (std::size_t c = 0; c < kChannels; ++c) {
@@ -70,9 +71,9 @@ bool PulseSync::credible(const Signature& signature) const noexcept {
   return 2 * signature.channels > heard && amplitude_v > before_v;
 }
 
-/// Begins new cycles until `time_s` is in the present one, or synchronisation is lost. A slot begins
-/// max_flight_s before its firing time, for that is set by beacon 0's arrival, and another beacon may be
-/// nearer.
+/// Advances by cycles until `time_s` lies in the current one, or synchronisation is lost. A slot begins
+/// max_flight_s before its firing time, because that is defined by the arrival from beacon 0, and another
+/// beacon may be closer.
 void PulseSync::advance(double time_s) noexcept {
   while (synchronised_ && time_s >= start_s_ + cycle_s(options_.schedule) - options_.max_flight_s) {
     missed_ = double_heard_ ? 0 : missed_ + 1;
@@ -86,7 +87,7 @@ void PulseSync::advance(double time_s) noexcept {
 }
 
 void PulseSync::synchronise(double first_s) noexcept {
-  // Epochs go on counting cycles as well as they can, and never repeat.
+  // Epochs continue to count cycles approximately and are never repeated.
   const auto cycles =
       static_cast<std::int64_t>(std::llround((first_s - start_s_) / cycle_s(options_.schedule)));
   epoch_ = epoch_ < 0 ? 0 : epoch_ + std::max<std::int64_t>(cycles, 1);
@@ -98,7 +99,7 @@ void PulseSync::synchronise(double first_s) noexcept {
   double_heard_ = true;
   foreign_ = Signature{};
   heard_slot_.fill(0);
-  for (std::size_t c = 0; c < kChannels; ++c) {  // beacon 0's arrivals have gone by, one a channel
+  for (std::size_t c = 0; c < kChannels; ++c) {  // the arrivals of beacon 0 are past, one on each channel
     const PulseArrival* earliest = nullptr;
     for (const PulseArrival& p : past(c)) {
       if (std::abs(p.time_s - first_s) <= kArrayFlight_s &&
@@ -109,14 +110,14 @@ void PulseSync::synchronise(double first_s) noexcept {
   }
 }
 
-/// A double pulse was heard while synchronised: beacon 0 where it is expected, or a sign that it is expected
-/// in the wrong place.
+/// Handles a double pulse while synchronised: either beacon 0 as expected, or evidence for a wrong
+/// synchronisation.
 void PulseSync::consider(double first_s) noexcept {
   const double cycle = cycle_s(options_.schedule), since_s = first_s - start_s_;
   if (std::abs(since_s) <= options_.max_flight_s) {
     if (std::abs(first_s - own_.time_s) <= kArrayFlight_s) {
       ++own_.channels;
-    } else if (!double_heard_) {  // the first of this cycle: its echoes are doubles too
+    } else if (!double_heard_) {  // the first of this cycle; its echoes are double pulses too
       confirmed_ = confirmed_ || std::abs(first_s - own_.time_s - cycle) <= options_.max_flight_s;
       own_ = {first_s, 1, 0};
     }
@@ -167,10 +168,10 @@ std::span<const Arrival> PulseSync::push(const PulseArrival& pulse) noexcept {
   }
   if (is_double) {
     consider(first_s);
-    if (out_count_ > 0) return {out_.data(), out_count_};  // synchronised anew
+    if (out_count_ > 0) return {out_.data(), out_count_};  // synchronised again
   }
   const double into_s = pulse.time_s - start_s_ + options_.max_flight_s;
-  if (into_s < 0) return {};  // of a cycle that is over
+  if (into_s < 0) return {};  // belongs to a past cycle
   const int beacon = static_cast<int>(into_s / s.fire_s);
   if (beacon >= s.beacons || heard_slot_[static_cast<std::size_t>(pulse.channel)] >= beacon + 1) return {};
   emit(pulse, beacon);

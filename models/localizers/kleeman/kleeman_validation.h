@@ -11,27 +11,27 @@
 namespace octant {
 
 inline constexpr int kKleemanBeacons =
-    16;  ///< most beacons of a system: the counter on Kleeman's boards has four bits
+    16;  ///< largest number of beacons: the counter on Kleeman's boards has four bits
 using BeaconSet = std::bitset<kKleemanBeacons>;
 
-/// Distances from one place to up to 16 beacons, all longer than the true ones by the same unknown amount; an
-/// entry a beacon.
+/// Distances from one position to up to 16 beacons, all with the same unknown excess; one entry for each
+/// beacon.
 struct OffsetDistances {
   std::array<double, kKleemanBeacons> distance_m{};
-  std::array<double, kKleemanBeacons> sigma_m{};  ///< of the noise, independent from beacon to beacon
-  BeaconSet heard;                                ///< the other entries mean nothing
-  BeaconSet rough;  ///< of those heard, much less exact than the others: they check and do not place
+  std::array<double, kKleemanBeacons> sigma_m{};  ///< noise, independent between beacons
+  BeaconSet heard;                                ///< beacons with a valid entry
+  BeaconSet rough;  ///< beacons whose distances are much less accurate: they are used as checks only
 };
 
-/// Which distances cannot be direct, by the triangle inequality (L. Kleeman, section 4.3), over all pairs of
-/// beacons heard:
+/// Finds distances that cannot be direct, by the triangle inequality (L. Kleeman, section 4.3) for all pairs
+/// of received beacons:
 ///   |Pb0| - |Pb1| < |b0 b1|  (eq. 5),   |Pb1| - |Pb0| < |b0 b1|  (eq. 6)
-/// A distance can only be too long, so the longer one is rejected. A distance once rejected goes on being
-/// compared: being too long, it can only make the left-hand sides smaller where it is subtracted, and so
-/// never rejects a good one.
-/// @param beacon_p_map_m  positions by beacon, in space: the inequality holds for slant distances as they are
-/// @param sigmas          tolerance, in standard deviations of the difference
-/// @param slack_m         tolerance besides, for what is no noise (the size of the receiver array)
+/// A distance can only be too long, so the longer one is rejected. Rejected distances remain in the
+/// comparison. Being too long, they only decrease the left-hand sides in which they are subtracted, so they
+/// never reject a good distance.
+/// @param beacon_p_map_m  positions of the beacons in space: the inequality holds for slant distances
+/// @param sigmas          tolerance in standard deviations of the difference
+/// @param slack_m         additional tolerance for systematic effects (the size of the receiver array)
 [[nodiscard]] BeaconSet triangle_violations(const OffsetDistances& distances,
                                             std::span<const Eigen::Vector3d> beacon_p_map_m, double sigmas,
                                             double slack_m = 0.0);

@@ -13,8 +13,7 @@
 
 namespace octant {
 
-/// A vehicle as the method sees it: its array, the beacons as its receivers' plane sees them, and where it
-/// was.
+/// State of a vehicle: its array, the beacons relative to the plane of its receivers, and its last position.
 struct KleemanVehicle {
   KleemanVehicle(const Deployment& deployment, const SiteVehicle& vehicle, const LongsolveOptions& options)
       : first_receiver(vehicle.first_receiver),
@@ -30,7 +29,7 @@ struct KleemanVehicle {
   double drift;
   std::vector<ArrayReceiver> receivers;
   double plane_m;   ///< mean height of the receivers: the plane of hyperbolic_fix.h
-  double radius_m;  ///< of the array about the vehicle's centre
+  double radius_m;  ///< radius of the array around the vehicle's centre
   std::vector<PlanBeacon> plan;
   Longsolve longsolve;
   LongsolveMemory memory;
@@ -45,7 +44,7 @@ struct KleemanVehicle {
       a.position_m = r.position_m;
       a.delay_s = r.delay_s;
       const double delay_m = speed_mps * r.delay_sigma_s;
-      a.variance_m2 = delay_m * delay_m + r.sigma_m.squaredNorm() / 3;  // along some direction
+      a.variance_m2 = delay_m * delay_m + r.sigma_m.squaredNorm() / 3;  // in any one direction
       if (r.axis) a.direction = *r.axis;
       if (r.axis && r.axis->head<2>().norm() > 1e-6) a.axis = r.axis->head<2>().normalized();
       out.push_back(a);
@@ -70,18 +69,18 @@ struct KleemanVehicle {
   }
 };
 
-/// State of the call under way.
+/// State of the current call.
 struct KleemanWork {
-  KleemanVehicle* vehicle = nullptr;  ///< null: no arrivals of a vehicle that has receivers
+  KleemanVehicle* vehicle = nullptr;  ///< null: no arrivals of a vehicle with receivers
   std::vector<HeardDistance> heard;
   std::size_t arrivals = 0;
   double speed_mps = 343.0;   ///< at the mean temperature
-  LongsolveMemory memory;     ///< becomes the vehicle's if this is a fix
-  OffsetDistances distances;  ///< of the beacons from the vehicle's centre
-  BeaconSet impossible;       ///< by the triangle inequality
+  LongsolveMemory memory;     ///< copied to the vehicle if there is a fix
+  OffsetDistances distances;  ///< distances of the beacons from the vehicle's centre
+  BeaconSet impossible;       ///< violate the triangle inequality
   LongsolveFix solution;
   Heading heading;
-  bool heading_tried = false;  ///< the first pass is over
+  bool heading_tried = false;  ///< true after the first pass
 };
 
 }  // namespace octant

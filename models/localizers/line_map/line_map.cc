@@ -16,7 +16,7 @@ tl::unexpected<Error> scans_lack(const MeasurementLog& log, std::string found, s
                .expected = std::move(expected)});
 }
 
-/// Adds a segment to the wall that it may be part of, or as a new one; walls that it bridges become one.
+/// Adds a segment to the wall that it may belong to, or as a new wall. Walls that it connects are merged.
 void add(std::vector<MapLine>& lines, const LineSegment& segment, const LinkGate& gate) {
   MapLine grown{segment, 1};
   for (std::size_t i = 0; i < lines.size();) {
@@ -27,7 +27,7 @@ void add(std::vector<MapLine>& lines, const LineSegment& segment, const LinkGate
     grown.segment = joined(lines[i].segment, grown.segment);
     grown.scans += lines[i].scans;
     lines.erase(lines.begin() + static_cast<std::ptrdiff_t>(i));
-    i = 0;  // what has grown may reach others now
+    i = 0;  // the grown wall may reach further walls
   }
   lines.push_back(grown);
 }

@@ -17,21 +17,21 @@
 namespace octant {
 namespace {
 
-constexpr double kExact = 1e-4;  // m, rad: a start that is said to be exact
-constexpr std::size_t kScanScratchBytes = 4u
-                                          << 20;  // a scan of a thousand beams in a map of hundreds of walls
-constexpr double kSameSquared = 16.0;             // tracks closer than four sigma are one
+constexpr double kExact = 1e-4;  // m, rad: lower bound of the sigmas of an exact start
+constexpr std::size_t kScanScratchBytes =
+    4u << 20;                          // for a scan of a thousand beams and a map of hundreds of walls
+constexpr double kSameSquared = 16.0;  // square of four sigmas: tracks within this distance are merged
 
 bool same_pose(const OdometryState& a, const OdometryState& b) {
   const Eigen::Vector3d d = difference(b, a);
   return d.dot((a.covariance + b.covariance).inverse() * d) < kSameSquared;
 }
 
-/// Covariance of what walls that are off the map draw the pose off. The pose takes over P B e of the walls'
-/// errors e and keeps P P0^-1 of what it was off before. The errors stay the same as long as the same walls
-/// are in view, so both are taken as fully correlated (deviations add, not variances): held by one set of
-/// walls for long, the pose is off as far as the walls themselves put it. Added axis by axis where P0^-1 and
-/// what was seen are both diagonal, so that an axis that no wall tells of stays as it was.
+/// Covariance of the pose error caused by the errors e of the walls. The pose absorbs P B e of them and keeps
+/// P P0^-1 of its previous error. The errors are constant while the same walls are in view, so both parts are
+/// treated as fully correlated: deviations are added, not variances. The pose error then converges to that of
+/// the walls. The sum is formed along axes that diagonalise both P0^-1 and the new information, so that an
+/// axis without information stays unchanged.
 Eigen::Matrix3d with_walls(const Eigen::Matrix3d& before, const Eigen::Matrix3d& P0,
                            const Eigen::Matrix3d& spread, const Eigen::Matrix3d& P) {
   const Eigen::Matrix3d L = P0.llt().matrixL(), P0_inverse = P0.inverse();
@@ -116,11 +116,12 @@ std::vector<Fix> LineMapLocalizer::locate(std::span<const Scan> scans, std::span
   return fixes;
 }
 
-/// Each track goes on in every way that the scan allows; the likeliest that are distinct stay, best first.
+/// Extends each track by every match that the scan allows, and keeps the most likely distinct ones, best
+/// first.
 void LineMapLocalizer::correct(const Scan& scan, Fix& fix) {
   struct Way {
     Track track;
-    std::pmr::vector<int> wall;  ///< of each segment; -1: none
+    std::pmr::vector<int> wall;  ///< matched wall of each segment; -1: none
   };
   const std::pmr::vector<Eigen::Vector2d> points = scan_points(scan, options_.scan);
   const std::pmr::vector<LineSegment> segments = scan_segments(scan, options_.scan);

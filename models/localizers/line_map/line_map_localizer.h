@@ -16,46 +16,49 @@
 
 namespace octant {
 
-/// Correction of odometry against a stored line map (Smieszek, section 2: segments of each scan compared with
-/// the map). An iterated extended Kalman filter: odometry carries the pose from scan to scan (eq. 1); each
-/// segment of a scan that is a wall of the map corrects it square to that wall and in heading. What no wall
-/// tells, the way along a corridor above all, stays with odometry, and its covariance says so. Where a scan
-/// may be matched in several ways, each is followed until later scans decide. The covariance of a fix is the
-/// filter's and, besides, that of the walls it was corrected by, whose error stays the same from scan to
-/// scan. The sensor's frame is the vehicle's. Planar. All memory is taken at construction: a scan of up to a
-/// few thousand beams is located without more, once the fix has held one of as many segments.
+/// Corrects odometry by comparison with a line map (Smieszek, section 2: the segments of each scan are
+/// compared with the map). An iterated extended Kalman filter for planar motion: odometry predicts the pose
+/// from scan to scan (eq. 1), and each segment that matches a wall corrects it perpendicular to that wall and
+/// in heading. Directions that no wall determines, such as the one along a corridor, follow odometry, with a
+/// covariance that grows accordingly.
+///
+/// If a scan can be matched in several ways, each of them is tracked until later scans decide. The covariance
+/// of a fix is that of the filter plus that of the walls used, whose errors are constant from scan to scan.
+/// The frame of the sensor is that of the vehicle. All memory is allocated at construction: a scan of up to a
+/// few thousand beams needs no more, once a fix with as many segments has been returned.
 class LineMapLocalizer {
  public:
   explicit LineMapLocalizer(LineMap map, LineMapOptions options = {});
 
-  /// The vehicle is at this pose; accuracy of it and of the odometry that follows.
+  /// Sets the pose of the vehicle, its accuracy, and that of the following odometry.
   void start(const Pose& T_map_vehicle, const PoseAccuracy& start_accuracy,
              const OdometryAccuracy& odometry_accuracy) noexcept;
-  /// The vehicle moved by a fraction (0 to 1) of an odometry row.
+  /// Moves the vehicle by a fraction (0 to 1) of an odometry row.
   void move(const OdometryStep& step, double fraction = 1.0) noexcept;
-  /// Fix at a scan, from where `start` and `move` have brought the vehicle. `arrivals_used` is the number of
-  /// segments that corrected it, 0 for odometry alone; kAmbiguous while another pose explains the scans as
-  /// well, kNoConsensus where the latest scans show something else than the map, kPoorGeometry where the
-  /// position's sigma is beyond max_sigma_m or nothing was said of the start.
+  /// Fix at a scan, starting from the pose that `start` and `move` have set. `arrivals_used` is the number of
+  /// segments that corrected it, 0 for odometry alone. The status is kAmbiguous while another pose explains
+  /// the scans equally well, kNoConsensus if the latest scans disagree with the map, and kPoorGeometry if the
+  /// sigma of the position exceeds max_sigma_m or no start was given.
   void locate(const Scan& scan, Fix& fix) noexcept;
 
-  /// One fix a scan, in order, from the start on (scans before it are left out).
-  /// @param start at start.time_s, with its accuracy
+  /// One fix for each scan in order, from the start on; earlier scans are ignored.
+  /// @param start pose at start.time_s, with its accuracy
   [[nodiscard]] std::vector<Fix> locate(std::span<const Scan> scans, std::span<const OdometryStep> odometry,
                                         const OdometryAccuracy& accuracy, const TimedPose& start,
                                         const PoseAccuracy& start_accuracy);
-  /// The same for a run that `line_map_fits`, from its first measured pose; later ones are not looked at.
+  /// Locates a run that passes `line_map_fits`, starting at its first measured pose; later poses are not
+  /// used.
   [[nodiscard]] std::vector<Fix> locate(const MeasurementLog& log);
 
   [[nodiscard]] const LineMap& map() const { return map_; }
 
  private:
-  /// A pose that is followed, and how far it is from explaining all scans so far.
+  /// A tracked pose with the cost of all scans so far.
   struct Track {
     OdometryState state;
     Eigen::Matrix3d of_map =
-        Eigen::Matrix3d::Zero();  ///< covariance of what the walls' own errors put the pose off
-    double cost = 0.0;            ///< minus twice the log likelihood, less the best track's
+        Eigen::Matrix3d::Zero();  ///< covariance of the pose error that the errors of the walls cause
+    double cost = 0.0;            ///< minus twice the log likelihood, relative to the best track
   };
   void correct(const Scan& scan, Fix& fix);
   void report(Fix& fix) const;
@@ -64,8 +67,8 @@ class LineMapLocalizer {
   LineMapOptions options_;
   OdometryAccuracy odometry_accuracy_;
   std::vector<Track> tracks_;
-  std::vector<int> walls_;      ///< all of the map, for map_support()
-  double on_wall_share_ = 1.0;  ///< of the latest scans' points at the best track's pose
+  std::vector<int> walls_;      ///< all walls of the map, for map_support()
+  double on_wall_share_ = 1.0;  ///< share of the latest scans' points at the pose of the best track
   bool first_scan_ = true;
   Scratch scratch_;
 };

@@ -53,7 +53,7 @@ class Matcher {
       m.state = prior_;
       if (segment >= 0) m.wall[static_cast<std::size_t>(segment)] = wall;
       m = follow(std::move(m));
-      // Seeds of one pose end in the same matches.
+      // Seeds of one pose lead to the same matches.
       if (std::ranges::any_of(all, [&](const WallMatches& other) { return other.wall == m.wall; })) return;
       if (m.matched > 0) {
         const MapSupport support = map_support(m.state, points_, map_, near_, options_);
@@ -73,8 +73,8 @@ class Matcher {
     return std::span(candidate_)
         .subspan(first_candidate_[segment], first_candidate_[segment + 1] - first_candidate_[segment]);
   }
-  /// Squared normalised distance of a segment from a wall, seen from a pose; beyond the gate where it cannot
-  /// be that wall.
+  /// Squared normalised distance of a segment from a wall, seen from a pose; beyond the gate if it cannot be
+  /// that wall.
   [[nodiscard]] double distance(const OdometryState& at, const Eigen::Matrix3d& P, std::size_t segment,
                                 std::size_t wall) const {
     const LineSegment& s = segments_[segment];
@@ -96,8 +96,8 @@ class Matcher {
     return o.residual.dot(S.inverse() * o.residual);
   }
 
-  /// From a seed to a consistent set of matches: adjust, match anew under the smaller covariance, until
-  /// nothing changes.
+  /// Extends a seed to a consistent set of matches: adjusts and matches again under the smaller covariance
+  /// until the matches do not change.
   [[nodiscard]] WallMatches follow(WallMatches m) const {
     std::pmr::vector<int> wall(segments_.size(), -1, scratch());
     for (int round = 0; round < kRounds; ++round) {
@@ -158,12 +158,12 @@ class Matcher {
   Eigen::Matrix3d prior_information_;
   std::span<const LineSegment> segments_;
   std::span<const Eigen::Vector2d> points_;
-  std::pmr::vector<int> near_{scratch()};  ///< walls within the scan's reach
+  std::pmr::vector<int> near_{scratch()};  ///< walls within the range of the scan
   const LineMap& map_;
   const LineMapOptions& options_;
   double outlier_;
-  double clutter_;                              ///< cost of a segment that is no wall
-  std::pmr::vector<int> candidate_{scratch()};  ///< walls that each segment may be, segment by segment
+  double clutter_;                              ///< cost of an unmatched segment
+  std::pmr::vector<int> candidate_{scratch()};  ///< candidate walls of each segment, segment by segment
   std::pmr::vector<std::size_t> first_candidate_{scratch()};
 };
 
@@ -176,12 +176,12 @@ WallObservation observe_wall(const OdometryState& pose, const LineSegment& segme
   const double beam_m = std::max(options.range_sigma_m, segment.rms_m),
                length_m = std::max(segment.length_m(), 1e-6);
   WallObservation o;
-  // Walls have no direction: the sensor may see either side of the normal.
+  // Walls have no orientation: the sensor may be on either side.
   o.residual = {
       -wall.line.distance_m(pose.p_map_m + lever),
       -std::remainder(segment.line.alpha_rad + pose.heading_rad - wall.line.alpha_rad, std::numbers::pi)};
   o.H << normal.x(), normal.y(), normal.dot(left_of(lever)), 0.0, 0.0, 1.0;
-  // Mean and slope of `count` points spread evenly over the length.
+  // Variances of mean and slope of `count` points spread evenly over the length.
   o.noise = {square(beam_m) / segment.count + square(options.line_sigma_m),
              12 * square(beam_m / length_m) / segment.count + square(options.line_sigma_rad)};
   return o;
@@ -204,7 +204,7 @@ MapSupport map_support(const OdometryState& pose, std::span<const Eigen::Vector2
         on_wall = on_wall || (t > -options.hit_m && t < w.length_m() + options.hit_m);
       } else if (start_off * end_off < 0 && std::abs(end_off) > 3 * options.hit_m &&
                  std::abs(start_off) > options.hit_m) {
-        // Well within the wall: its ends may be door posts.
+        // Well inside the wall, because its ends may be door posts.
         const double t = along.dot(pose.p_map_m + beam * (start_off / (start_off - end_off)) - w.from_m);
         through = through || (t > 3 * options.hit_m && t < w.length_m() - 3 * options.hit_m);
       }

@@ -10,7 +10,7 @@
 namespace octant {
 namespace {
 
-/// Line, ends and fit of a segment whose sums stand; the ends are those of the points given, brought onto the
+/// Computes line, ends and fit of a segment from its sums; the ends are the given points projected onto the
 /// line.
 void refit_line(LineSegment& s, std::span<const Eigen::Vector2d> reach) {
   // Direction of largest scatter, in closed form.
@@ -94,7 +94,8 @@ std::pmr::vector<LineSegment> iterative_segments(std::span<const Eigen::Vector2d
       farthest = d;
       m = i;
     }
-    if (farthest > options.split_m) {  // the later half first, so that segments come in the order of the scan
+    if (farthest >
+        options.split_m) {  // the later half is pushed first, so that segments are in the order of the scan
       open.push_back({m, piece.last});
       open.push_back({piece.first, m});
       continue;
@@ -128,7 +129,7 @@ LineSegment transformed(const LineSegment& segment, const Pose& T) {
 }
 
 bool may_join(const LineSegment& a, const LineSegment& b, const LinkGate& gate) {
-  // Normals may point either way: the origin can lie on either side of nearly one line.
+  // Normals may have opposite directions, because the origin can lie on either side of nearly the same line.
   const double turn = std::remainder(a.line.alpha_rad - b.line.alpha_rad, std::numbers::pi);
   if (std::abs(turn) > gate.angle_rad) return false;
   const LineSegment& longer = a.length_m() >= b.length_m() ? a : b;

@@ -13,7 +13,7 @@ namespace octant {
 namespace {
 
 constexpr double kMinBaseline_m = 1e-3;
-constexpr double kMinHeadingSigma_rad = 1e-9;  // an exact heading, as a weight
+constexpr double kMinHeadingSigma_rad = 1e-9;  // lower bound of a heading's sigma, which keeps weights finite
 
 /// The two receivers of a vehicle that are farthest apart, in their order.
 std::array<ReceiverId, 2> widest_pair(const Deployment& d, const SiteVehicle& vehicle) {
@@ -23,8 +23,8 @@ std::array<ReceiverId, 2> widest_pair(const Deployment& d, const SiteVehicle& ve
   for (std::size_t i = vehicle.first_receiver; i < end; ++i) {
     for (std::size_t j = i + 1; j < end; ++j) {
       const double base_m = (d.receivers[i].position_m - d.receivers[j].position_m).head<2>().norm();
-      // A later pair has to be wider by more than rounding, so that regular arrays give the same pair
-      // everywhere.
+      // A later pair must be wider by more than rounding, so that regular arrays give the same pair on every
+      // machine.
       if (base_m <= most_m * (1 + 1e-9)) continue;
       most_m = base_m;
       widest = {ReceiverId(i), ReceiverId(j)};
@@ -43,8 +43,8 @@ std::optional<double> straight_heading_rad(const SiteVehicle& vehicle) {
 
 std::optional<Eigen::Vector2d> beacon_in_robot_frame(double a, double L1, double L2, bool left) {
   if (!(a > 0 && L1 > 0 && L2 > 0)) return std::nullopt;
-  // eq. 4: the first equation less the second gives x_br; y_br^2 = L1^2 - (x_br + a)^2, in factors, which
-  // keep their digits.
+  // eq. 4: the difference of both equations gives x_br; y_br^2 = L1^2 - (x_br + a)^2 in factors, which avoid
+  // cancellation.
   const double x = (L1 - L2) * (L1 + L2) / (4 * a);
   const double y2 =
       (L1 + L2 - 2 * a) * (L1 + L2 + 2 * a) * (2 * a - (L1 - L2)) * (2 * a + (L1 - L2)) / (16 * a * a);
@@ -54,9 +54,9 @@ std::optional<Eigen::Vector2d> beacon_in_robot_frame(double a, double L1, double
 
 Eigen::Vector2d robot_in_map(const Eigen::Vector2d& beacon_robot_m, const Eigen::Vector2d& beacon_map_m,
                              double heading_rad) {
-  // eq. 5 for the robot's own origin, X_r = 0, in a frame at the beacon with the map's axes. The shift, which
-  // the paper prints as (X_r, Y_r) once more, is the robot as the beacon sees it: minus the turned place of
-  // the beacon in the robot frame.
+  // eq. 5 for the robot's origin, X_r = 0, in a frame at the beacon with the axes of the map. The shift,
+  // which the paper prints as (X_r, Y_r) again, is the robot as seen from the beacon: minus the rotated
+  // position of the beacon in the robot frame.
   const Eigen::Vector2d robot_beacon_m = -(Eigen::Rotation2Dd(heading_rad) * beacon_robot_m);
   return robot_beacon_m + beacon_map_m;  // eq. 6
 }
@@ -81,7 +81,7 @@ void OneBeacon::set_heading(double heading_rad, double sigma_rad) noexcept {
   options_.heading_sigma_rad = std::max(sigma_rad, kMinHeadingSigma_rad);
 }
 
-/// Both places of a beacon in the vehicle frame; nothing where the circles do not meet, `flat` if they touch
+/// Both positions of a beacon in the vehicle frame. No value if the circles do not meet; `flat` if they touch
 /// within noise.
 std::optional<OneBeacon::View> OneBeacon::view(const PairRange& first, const PairRange& second,
                                                bool& flat) const {
@@ -113,7 +113,7 @@ std::optional<OneBeacon::View> OneBeacon::view(const PairRange& first, const Pai
   return out;
 }
 
-/// The beacons that both receivers hear.
+/// Beacons that both receivers observe.
 FixStatus OneBeacon::view_beacons(std::span<const Arrival> arrivals, std::span<const PairRange> pairs,
                                   Fix& fix) {
   views_.clear();
@@ -141,7 +141,7 @@ FixStatus OneBeacon::view_beacons(std::span<const Arrival> arrivals, std::span<c
     reject_pair(arrivals, first, flat ? Rejection::kNotNeeded : Rejection::kOutvoted, fix.rejections);
     reject_pair(arrivals, *second, flat ? Rejection::kNotNeeded : Rejection::kOutvoted, fix.rejections);
   }
-  if (options_.facing == Facing::kEither && views_.size() > kMaxEither) {  // the nearest ones
+  if (options_.facing == Facing::kEither && views_.size() > kMaxEither) {  // keeps the nearest ones
     std::ranges::sort(views_, {}, &View::distance_m);
     for (std::size_t i = kMaxEither; i < views_.size(); ++i)
       for (const PairRange& pair : views_[i].pair)
@@ -153,8 +153,8 @@ FixStatus OneBeacon::view_beacons(std::span<const Arrival> arrivals, std::span<c
   return any_flat ? FixStatus::kPoorGeometry : FixStatus::kTooFewArrivals;
 }
 
-/// Pose from eq. 4-6: heading as known, or such that the beacons' places in the vehicle frame turn into those
-/// of the map (least squares); position the mean of what the beacons give.
+/// Pose from eq. 4-6. The heading is the known one, or the least-squares rotation from the beacons' positions
+/// in the vehicle frame to those in the map. The position is the mean over the beacons.
 Eigen::Vector3d OneBeacon::start(unsigned sides, int left_out) const {
   Eigen::Vector2d mean_robot = Eigen::Vector2d::Zero(), mean_map = Eigen::Vector2d::Zero();
   const auto each = [&](const auto& visit) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Least squares of the beacons that a OneBeacon sees, and which of them, on which side, to believe.
+// Least squares adjustment of OneBeacon's beacons, and choice of the beacons and sides to use.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,11 +15,11 @@ namespace octant {
 namespace {
 
 constexpr double kDistinct_m = 1e-3;
-constexpr double kSlack_m = 0.1;  // beyond what the vehicle can have moved
+constexpr double kSlack_m = 0.1;  // tolerance beyond the distance that the vehicle can have moved
 
 }  // namespace
 
-/// Residual of a range at a pose, and its derivative by the pose.
+/// Residual of a range at a pose, and its derivatives by the pose.
 double OneBeacon::row(const View& seen, std::size_t end, const Eigen::Vector3d& pose,
                       Eigen::Vector3d& by_pose) const {
   const PairRange& pair = seen.pair[end];
@@ -29,8 +29,8 @@ double OneBeacon::row(const View& seen, std::size_t end, const Eigen::Vector3d& 
   return pair.range_m - sight.distance_m;
 }
 
-/// Least squares of the ranges, and of the heading if it is known. With one beacon it changes nothing: two
-/// ranges, two unknowns.
+/// Least squares adjustment of the ranges, and of the heading if it is known. With one beacon there are two
+/// ranges for two unknowns, so the pose does not change.
 OneBeacon::Attempt OneBeacon::adjust(Eigen::Vector3d pose, int left_out) const {
   Attempt out;
   const std::optional<double> known_rad = known_heading_rad();
@@ -67,8 +67,8 @@ OneBeacon::Attempt OneBeacon::adjust(Eigen::Vector3d pose, int left_out) const {
   return out;
 }
 
-/// The fix held against those without each of its beacons; 0 where too few are left. A heading that is known
-/// from elsewhere is taken for right.
+/// Protection level from the fixes without each of the beacons; 0 if too few remain. An externally known
+/// heading is assumed to be correct.
 double OneBeacon::protection_level(const Attempt& attempt, int left_out, const Eigen::Matrix3d& covariance) {
   sums_.clear();
   if (const std::optional<double> known_rad = known_heading_rad())
@@ -88,7 +88,8 @@ double OneBeacon::protection_level(const Attempt& attempt, int left_out, const E
   return sums_.level_m(horizontal_variance(covariance));
 }
 
-/// Whether the vehicle can have got there since the last fix, or beacons that agree say so.
+/// Returns true if the vehicle can have moved there since the last fix, or if beacons that agree confirm the
+/// position.
 bool OneBeacon::in_reach(const Fix& fix, int left_out, const Attempt& attempt) const {
   const Last& last = last_[fix.vehicle.index()];
   const std::size_t beacons = views_.size() - (left_out >= 0 ? 1 : 0);
@@ -102,7 +103,7 @@ bool OneBeacon::in_reach(const Fix& fix, int left_out, const Attempt& attempt) c
   return (attempt.pose.head<2>() - last.p_m).norm() <= reach_m;
 }
 
-/// The pose of the sides that explain the ranges best, among those within reach.
+/// Chooses the sides that explain the ranges best, among those within reach.
 FixStatus OneBeacon::choose(const Fix& fix, int left_out, Attempt& best) const {
   if (options_.facing != Facing::kEither) {
     best = adjust(start(options_.facing == Facing::kLeft ? 0u : ~0u, left_out), left_out);
@@ -130,7 +131,7 @@ FixStatus OneBeacon::choose(const Fix& fix, int left_out, Attempt& best) const {
   return FixStatus::kOk;
 }
 
-/// One of three beacons or more may be an echo; of two, the last position may tell which.
+/// One of three or more beacons may be an echo. With two beacons, the last position may decide which one.
 FixStatus OneBeacon::without_one(const Fix& fix, int& left_out, Attempt& best) const {
   const std::size_t least_beacons = known_heading_rad() ? 1 : 2;
   if (views_.size() <= least_beacons || (views_.size() < 3 && !last_[fix.vehicle.index()].known))
@@ -150,7 +151,7 @@ FixStatus OneBeacon::without_one(const Fix& fix, int& left_out, Attempt& best) c
   return FixStatus::kOk;
 }
 
-/// What the cost stays below, calibration's own uncertainty allowed for.
+/// Upper bound of the cost, including the calibration uncertainty.
 double OneBeacon::gate(int left_out) const {
   const int beacons = static_cast<int>(views_.size()) - (left_out >= 0 ? 1 : 0);
   const int dof = 2 * beacons - (known_heading_rad() ? 2 : 3);
@@ -162,9 +163,9 @@ double OneBeacon::gate(int left_out) const {
   return factor * chi2_gate(std::max(dof, 1), options_.gate_sigmas);
 }
 
-/// A single beacon tells the distance far better than the direction, and what the direction leaves is no
-/// straight line but an arc about the beacon: off by t across, the robot is off by t^2 / 2L along as well.
-/// Its second moment, for t normal.
+/// A single beacon determines the distance far better than the direction. The uncertainty region is an arc
+/// around the beacon: a lateral error t displaces the robot by t^2 / 2L along the line of sight as well. Adds
+/// the second moment of that for normal t.
 void OneBeacon::add_bend(const Eigen::Vector2d& p_map_m, Eigen::Matrix3d& covariance) const {
   const Eigen::Vector2d off =
       p_map_m - deployment_.beacons[views_[0].pair[0].beacon.index()].position_m.head<2>();

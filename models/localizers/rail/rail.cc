@@ -10,7 +10,7 @@
 namespace octant {
 namespace {
 
-constexpr double kRailSlack_m = 0.1;  // beyond what the vehicle can have moved
+constexpr double kRailSlack_m = 0.1;  // tolerance beyond the distance that the vehicle can have moved
 constexpr double kDistinct = 5.0;
 constexpr double kDistinctOnRail_m = 1e-3;
 
@@ -46,14 +46,14 @@ RailLocalizer::Row RailLocalizer::row(const PairRange& pair, const RailPoint& at
   return out;
 }
 
-/// Gauss-Newton along the rail on the ranges that agree; false where they say nothing of s.
+/// Gauss-Newton along the rail on the ranges that agree; false if they do not determine s.
 bool RailLocalizer::polish(std::span<const PairRange> pairs, Place& place) const {
   for (int i = 0; i < 12; ++i) {
     const RailPoint at = rail_point(*rail_, place.s_m);
     double information = 0.0, gradient = 0.0;
     for (const PairRange& pair : pairs) {
       const Row r = row(pair, at);
-      // At first a place is only as good as the range it comes from.
+      // In the first iterations a position is only as accurate as the range it was computed from.
       const double slack_m = i < 3 ? r.by_s * place.sigma_m : 0.0;
       if (std::abs(r.off_m) > options_.gate_sigmas * std::hypot(r.sigma_m, slack_m)) continue;
       information += r.by_s * r.by_s / (r.sigma_m * r.sigma_m);
@@ -69,8 +69,8 @@ bool RailLocalizer::polish(std::span<const PairRange> pairs, Place& place) const
   return std::isfinite(place.s_m) && std::isfinite(place.cost);
 }
 
-/// What a place costs: the squares of what agrees; the gate's for each range that does not. A beacon behind
-/// an obstacle is late with all its ranges at once and pays once.
+/// Cost of a position: the squared residuals of the ranges that agree, and that of the gate for each other
+/// range. A beacon behind an obstacle is late with all its ranges and counts once.
 void RailLocalizer::rate(std::span<const PairRange> pairs, Place& place) const {
   const double gate = options_.gate_sigmas * options_.gate_sigmas;
   const RailPoint at = rail_point(*rail_, place.s_m);
@@ -94,7 +94,7 @@ void RailLocalizer::rate(std::span<const PairRange> pairs, Place& place) const {
   }
 }
 
-/// Both places of each range, polished.
+/// Both positions of each range, adjusted.
 void RailLocalizer::find_places(std::span<const PairRange> pairs) {
   places_.clear();
   for (const PairRange& pair : pairs) {
@@ -117,7 +117,7 @@ void RailLocalizer::find_places(std::span<const PairRange> pairs) {
   }
 }
 
-/// Whether the vehicle can have got to a place since the last fix.
+/// Returns true if the vehicle can have moved to a position since the last fix.
 bool RailLocalizer::in_reach(const Fix& fix, const Place& place) const {
   const Last& last = last_[fix.vehicle.index()];
   if (!last.known) return true;
@@ -133,7 +133,7 @@ FixStatus RailLocalizer::choose(std::span<const PairRange> pairs, const Fix& fix
   if (places_.empty()) return FixStatus::kNoConsensus;
   for (Place& place : places_)
     if (!in_reach(fix, place))
-      place.cost += options_.gate_sigmas * options_.gate_sigmas;  // as if one range more spoke against it
+      place.cost += options_.gate_sigmas * options_.gate_sigmas;  // penalty of one outlier
   chosen = *std::ranges::min_element(places_, {}, &Place::cost);
   for (const Place& place : places_) {
     if (place.cost > chosen.cost + options_.ambiguity_margin) continue;
@@ -141,14 +141,14 @@ FixStatus RailLocalizer::choose(std::span<const PairRange> pairs, const Fix& fix
     if (apart_m > kDistinct * std::hypot(chosen.sigma_m, place.sigma_m) + kDistinctOnRail_m)
       return FixStatus::kAmbiguous;
   }
-  // A single range has nothing to agree with but the last position.
+  // Only the last position can confirm a single range.
   if (chosen.agreeing < 2 && !last_[fix.vehicle.index()].known)
     return pairs.size() < 2 ? FixStatus::kTooFewArrivals : FixStatus::kNoConsensus;
   return 2 * chosen.agreeing < static_cast<int>(pairs.size()) ? FixStatus::kNoConsensus : FixStatus::kOk;
 }
 
-/// The place on the rail held against those without each of its beacons, the rail itself known as stated; 0
-/// where one beacon alone tells it.
+/// Protection level from the positions without each of the beacons, on a rail with the given sigmas; 0 if it
+/// depends on one beacon alone.
 double RailLocalizer::protection_level(std::span<const PairRange> pairs, const RailPoint& at,
                                        const Eigen::Matrix3d& covariance) {
   const Eigen::Vector2d along = at.by_s.head<2>(), across = left_of(along) / options_.rail_sigma_m;
@@ -190,7 +190,8 @@ FixStatus RailLocalizer::finish(std::span<const PairRange> pairs, std::span<cons
       }
     }
   }
-  // A vehicle off its rail is there, and its ranges are taken for those of another s.
+  // Effect of lateral and angular play: the vehicle is off its rail, and its ranges are attributed to another
+  // s.
   Eigen::Vector3d by_sway, by_turn;
   by_sway << left_of(along), 0.0;
   by_sway -= at.by_s * sway / information;
@@ -218,8 +219,8 @@ FixStatus RailLocalizer::fix_place(std::span<const Arrival> arrivals, Fix& fix) 
   rail_ = &*vehicle.rail;
   find_places(pairs);
   if (places_.empty()) {
-    // Ranges that no place explains, or abreast of the only beacon, where the range does not change with the
-    // place.
+    // Either no position explains the ranges, or the vehicle is abreast of the only beacon, where the range
+    // does not depend on the position.
     const bool any = std::ranges::any_of(pairs, [&](const PairRange& pair) {
       return rail_places(*rail_, deployment_.receivers[pair.receiver.index()].position_m,
                          deployment_.beacons[pair.beacon.index()].position_m, pair.range_m,

@@ -18,7 +18,7 @@ RailPlaces two_places(const Rail& rail, double middle_m, double half_m) {
 RailPlaces straight_places(const Rail& rail, const Eigen::Vector3d& o, const Eigen::Vector3d& p,
                            double range_m, double slack_m) {
   const Eigen::Vector2d along = (rail.to_m - rail.from_m).normalized(), across = left_of(along);
-  // Beacon from the receiver of a vehicle at s = 0.
+  // Vector to the beacon from the receiver of a vehicle at s = 0.
   const Eigen::Vector2d off = p.head<2>() - rail.from_m - along * o.x() - across * o.y();
   const double nearest_m = std::hypot(across.dot(off), p.z() - o.z());
   if (range_m < nearest_m - slack_m) return {};
@@ -28,7 +28,7 @@ RailPlaces straight_places(const Rail& rail, const Eigen::Vector3d& o, const Eig
 
 RailPlaces arc_places(const Rail& rail, const Eigen::Vector3d& o, const Eigen::Vector3d& p, double range_m,
                       double slack_m) {
-  // Heading is a quarter turn ahead of the radius, so the vehicle's left is towards the centre: the
+  // The heading is a right angle ahead of the radius, so the vehicle's left side faces the centre of the
   // receiver's circle.
   const double rho_m = std::hypot(rail.radius_m - o.y(), o.x()),
                ahead_rad = std::atan2(o.x(), rail.radius_m - o.y());
@@ -38,8 +38,8 @@ RailPlaces arc_places(const Rail& rail, const Eigen::Vector3d& o, const Eigen::V
   const double least_m = std::hypot(C - rho_m, rise_m), most_m = std::hypot(C + rho_m, rise_m);
   if (!(most_m - least_m > 2 * slack_m) || range_m < least_m - slack_m || range_m > most_m + slack_m)
     return {};
-  // Law of cosines at the centre in half angles, tan^2(gamma / 2) = (d^2 - least^2) / (most^2 - d^2): exact
-  // at both ends.
+  // Law of cosines at the centre in half angles, tan^2(gamma / 2) = (d^2 - least^2) / (most^2 - d^2), which
+  // is exact at both ends.
   const double beyond2 = std::max(0.0, (range_m - least_m) * (range_m + least_m));
   const double before2 = std::max(0.0, (most_m - range_m) * (most_m + range_m));
   const double gamma_rad = 2 * std::atan2(std::sqrt(beyond2), std::sqrt(before2));
