@@ -11,7 +11,7 @@
 
 namespace octant::app {
 
-// One file each, of the same name. Each adds its options to the command line.
+// Add the commands to the command line. Each is defined in the file of the same name.
 void add_demo(CLI::App& app, CommonOptions& common, Action& action);
 void add_simulate(CLI::App& app, CommonOptions& common, Action& action);
 void add_check(CLI::App& app, CommonOptions& common, Action& action);
@@ -32,10 +32,10 @@ void add_sign(CLI::App& app, CommonOptions& common, Action& action);
 void add_verify_signature(CLI::App& app, CommonOptions& common, Action& action);
 void add_schema(CLI::App& app, CommonOptions& common, Action& action);
 
-/// A command with the options that all have. @param example  shown by --help
+/// Adds a command with the common options. @param example  shown by --help
 [[nodiscard]] CLI::App* add_command(CLI::App& app, CommonOptions& common, const std::string& name,
                                     const std::string& purpose, const std::string& example);
-/// The same with arguments of its own, with which main() calls `run` where the command line names it.
+/// Adds a command with its own arguments. main() calls `run` if the command line names the command.
 template <class Args>
 [[nodiscard]] std::pair<CLI::App*, Args*> add_command(
     CLI::App& app, CommonOptions& common, Action& action, const std::string& name, const std::string& purpose,

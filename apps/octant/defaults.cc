@@ -12,7 +12,7 @@
 namespace octant::app {
 namespace {
 
-/// The user's file of defaults; empty: there is none.
+/// Path of the user's file of defaults; empty if there is none.
 std::string defaults_path() {
   if (const char* path = std::getenv("OCTANT_DEFAULTS")) return path;
   std::filesystem::path folder;

@@ -6,9 +6,9 @@
 
 namespace octant::app {
 
-/// Sets the common options as the user's file of defaults has them, before the words of the command do:
-/// $OCTANT_DEFAULTS (empty: none), else defaults.yaml in $XDG_CONFIG_HOME/octant or ~/.config/octant, where
-/// there is one. Failures: those of read_defaults, and $OCTANT_DEFAULTS that names no file.
+/// Applies the user's defaults to the common options before the command line is parsed. They are read from
+/// $OCTANT_DEFAULTS (if empty, there are none), else from defaults.yaml in $XDG_CONFIG_HOME/octant or
+/// ~/.config/octant, if it exists. Fails like read_defaults, and if $OCTANT_DEFAULTS names no file.
 void apply_defaults(Session& session);
 
 }  // namespace octant::app

@@ -13,10 +13,10 @@
 namespace octant::app {
 namespace {
 
-// Lock-free, which a handler needs: several threads compute, and look at them, at a time.
+// Lock-free as required in handlers; several computing threads read them at the same time.
 std::atomic<int> signalled{0}, may_exit_at_once{0}, must_not_exit{0};
 static_assert(std::atomic<int>::is_always_lock_free);
-// A handler may not allocate: the text is laid down beforehand.
+// Handlers must not allocate, so the text is prepared beforehand.
 struct LastOutput {
   char text[512];
   std::size_t size = 0;
@@ -24,7 +24,7 @@ struct LastOutput {
     size = words.size() < sizeof text ? words.size() : 0;
     std::memcpy(text, words.data(), size);
   }
-  /// Nothing can be done about a failed write.
+  /// A failed write cannot be handled here.
   void say() const {
     if (write(STDOUT_FILENO, text, size) < 0) return;
   }
@@ -54,7 +54,7 @@ extern "C" void on_hosts_signal(int number, siginfo_t* info, void* context) {
 
 extern "C" void on_lost_input(int number, siginfo_t* info, void*) {
   constexpr int kBadInputExit = 3;
-  if (info->si_code == BUS_ADRERR) {  // of a mapped file; anything else is a fault of ours
+  if (info->si_code == BUS_ADRERR) {  // access to a mapped file; other bus errors are bugs
     if (write(STDERR_FILENO, lost_talk.text, lost_talk.size) > 0) if_lost.say();
     _exit(kBadInputExit);
   }
@@ -85,7 +85,7 @@ void install_lost_input_handler(const std::string& words) {
   action.sa_flags = SA_SIGINFO;
   sigemptyset(&action.sa_mask);
   sigaction(SIGBUS, &action, nullptr);
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow that far is then told by write
+  std::signal(SIGXFSZ, SIG_IGN);  // write() then reports a file that exceeds the size limit
 }
 
 bool interrupted() { return signalled != 0; }
@@ -93,7 +93,7 @@ bool interrupted() { return signalled != 0; }
 PoliteInterrupts::PoliteInterrupts() {
   const std::lock_guard lock(hosts_mutex);
   if (polite_calls++ > 0) return;
-  ++must_not_exit;  // not ours to end
+  ++must_not_exit;  // the host program handles the signal
   sigaction(SIGINT, nullptr, &hosts_action);
   struct sigaction action = {};
   action.sa_sigaction = on_hosts_signal;
@@ -107,7 +107,7 @@ PoliteInterrupts::~PoliteInterrupts() {
   if (--polite_calls > 0) return;
   sigaction(SIGINT, &hosts_action, nullptr);
   --must_not_exit;
-  // Who had no handler wanted to be ended.
+  // The host had no handler, so the default action is to terminate.
   if (interrupted() && (hosts_action.sa_flags & SA_SIGINFO) == 0 && hosts_action.sa_handler == SIG_DFL)
     std::raise(SIGINT);
   signalled = 0;
@@ -115,7 +115,7 @@ PoliteInterrupts::~PoliteInterrupts() {
 
 ExitAtOnce::ExitAtOnce() {
   ++may_exit_at_once;
-  // A signal that came before is not forgotten.
+  // A signal that arrived before is not lost.
   if (interrupted()) on_signal(SIGINT);
 }
 ExitAtOnce::~ExitAtOnce() { --may_exit_at_once; }

@@ -6,15 +6,17 @@
 
 namespace octant::app {
 
-/// Takes over SIGINT and SIGTERM. A first signal asks politely (interrupted() becomes true); a second one
-/// kills. A SIGINT that the parent ignores (background jobs) stays ignored.
-/// @param last_words  what goes to standard output where a signal ends the program at once; may be empty
+/// Installs handlers for SIGINT and SIGTERM. The first signal requests an orderly end (interrupted() becomes
+/// true), the second one terminates the program. If the parent process ignores SIGINT (background jobs), it
+/// remains ignored.
+/// @param last_words  text for standard output if a signal terminates the program at once; may be empty
 void install_interrupt_handlers(const std::string& last_words);
 
 [[nodiscard]] bool interrupted();
 
-/// While one lives within another program, its SIGINT asks politely too, and then goes where it went before.
-/// They may be nested and live on several threads; after the last one it is as before, and forgotten.
+/// For use inside another program: during its lifetime SIGINT first requests an orderly end, and is then
+/// passed on to the previous handler. Objects may be nested and exist on several threads. When the last one
+/// is destroyed, the previous handler is restored and the request is cleared.
 class PoliteInterrupts {
  public:
   PoliteInterrupts();
@@ -23,15 +25,15 @@ class PoliteInterrupts {
   PoliteInterrupts& operator=(const PoliteInterrupts&) = delete;
 };
 
-/// A recording is read where it lies on the disk: one that somebody cuts off meanwhile ends the program with
-/// SIGBUS. It then ends with exit 3 and says so.
+/// Recordings are read through memory maps, so a file that is truncated meanwhile causes SIGBUS. This handler
+/// then ends the program with exit 3 and a message.
 /// @param last_words  as above
 void install_lost_input_handler(const std::string& last_words);
 inline constexpr const char* kLostInput =
     "an input has become shorter, or could not be read any more, while it was read; nothing is made of it";
 
-/// While one lives, nothing of ours is half on disk, and a signal may end the program at once with exit 130:
-/// for long computations that cannot be asked to stop. They may be nested.
+/// During its lifetime no output is partially written, so a signal may terminate the program at once with
+/// exit 130. For long computations that cannot be interrupted otherwise. Objects may be nested.
 class ExitAtOnce {
  public:
   ExitAtOnce();
@@ -40,7 +42,8 @@ class ExitAtOnce {
   ExitAtOnce& operator=(const ExitAtOnce&) = delete;
 };
 
-/// While one lives, a signal ends nothing at once, whatever ExitAtOnce says: another thread may be writing.
+/// During its lifetime no signal terminates the program at once, in spite of ExitAtOnce, because another
+/// thread may be writing.
 class NoExitAtOnce {
  public:
   NoExitAtOnce();

@@ -17,21 +17,21 @@ namespace octant::app {
 
 class Session;
 
-/// What main() runs once the command line is parsed; a command's set-up puts it here.
+/// Function that main() calls after parsing; set by the command that was chosen.
 using Action = std::function<int(Session&)>;
 
 /// Group of the options that all commands have, in help and man pages.
 inline constexpr std::string_view kCommonGroup = "Common options";
 
-/// An option ("-o,--output") or, by a name without dashes, a positional argument. Its value now is the
-/// default, which --help tells unless it is nothing. @param type  what --help shows for its value
+/// Adds an option ("-o,--output") or, for a name without dashes, a positional argument. The current value is
+/// the default; --help shows it unless it is empty or zero. @param type  placeholder of the value in --help
 template <class T>
 CLI::Option* add_option(CLI::App& command, const std::string& name, T& value, const std::string& type,
                         const std::string& help) {
   CLI::Option* option = command.add_option(name, value, help)->type_name(type);
   if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>)
     if (value != T{}) option->capture_default_str();
-  // CLI11's ranges let pass what compares with nothing.
+  // The ranges of CLI11 accept NaN.
   if constexpr (std::is_same_v<T, double> || std::is_same_v<T, std::optional<double>>)
     option->check([](const std::string& text) {
       double number = 0.0;
@@ -47,7 +47,7 @@ CLI::Option* add_required_option(CLI::App& command, const std::string& name, T& 
   return add_option(command, name, value, type, help)->required();
 }
 
-/// Options that are added while it lives stand under a heading of their own in --help.
+/// During its lifetime new options appear under a separate heading in --help.
 class OptionGroup {
  public:
   OptionGroup(CLI::App& command, const std::string& heading)
@@ -63,7 +63,7 @@ class OptionGroup {
   std::string before_;
 };
 
-/// Makes main() call `run` with the arguments where the command line names this command.
+/// Makes main() call `run` with the arguments if the command line names this command.
 template <class Args>
 void set_action(CLI::App& command, std::shared_ptr<Args> args, Action& action,
                 std::type_identity_t<int (*)(const Args&, Session&)> run) {

@@ -16,9 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostLinks = 40;  ///< as many as Linux follows
+constexpr int kMostLinks = 40;  ///< limit of Linux
 
-/// Where a file that may not be there yet would be written: links followed, folders spelled one way.
+/// Canonical path of a file that may not exist yet, with links resolved.
 fs::path resolved(fs::path path) {
   std::error_code error;
   for (int i = 0; i < kMostLinks && fs::is_symlink(path, error); ++i) {
@@ -36,10 +36,10 @@ bool is_no_file(const std::string& name) {
   if (name.empty() || name == "-") return true;
   const fs::file_status status = fs::status(name, error);
   return fs::exists(status) && !fs::is_regular_file(status) &&
-         !fs::is_directory(status);  // pipes and devices keep nothing
+         !fs::is_directory(status);  // pipes and devices store nothing
 }
 
-/// Names by which a file is told apart: where it lies, and (through hard links) what lies there.
+/// Identities of a file for comparison: its path, and its inode for hard links.
 std::vector<std::string> identities(const fs::path& file) {
   std::vector<std::string> names = {resolved(file).string()};
   struct stat status {};
@@ -47,7 +47,7 @@ std::vector<std::string> identities(const fs::path& file) {
   return names;
 }
 
-/// The files behind an input: itself, or all of a run folder, there or not.
+/// Files of an input: the file itself, or all possible files of a run folder.
 std::vector<fs::path> files_of(const std::string& input) {
   std::error_code error;
   if (!fs::is_directory(input, error)) return {input};
@@ -64,7 +64,7 @@ std::vector<std::string> with_files(std::vector<std::string> files, const std::v
 }
 
 void check_no_overwriting(const CommandFiles& files) {
-  std::map<std::string, std::string> taken;  // identity to what is said of it
+  std::map<std::string, std::string> taken;  // maps identities to descriptions
   for (const std::string& input : files.inputs) {
     if (is_no_file(input)) continue;
     for (const fs::path& file : files_of(input))

@@ -14,7 +14,7 @@
 namespace octant::app {
 namespace {
 
-/// Progress that nobody can read is no reason to stop.
+/// Write errors are ignored: missing progress output is no reason to stop.
 void put_progress(const std::string& text) { (void)std::fwrite(text.data(), 1, text.size(), stderr); }
 
 }  // namespace
@@ -30,7 +30,7 @@ ProgressStyle progress_style(std::string_view wanted, bool quiet) {
 }
 
 bool ProgressReporter::due(bool new_stage) {
-  // Iterations of small problems take microseconds; ten pictures a second are enough for anybody.
+  // Iterations of small problems take microseconds; ten updates per second are enough.
   const auto now = std::chrono::steady_clock::now();
   if (!new_stage && now - last_ < std::chrono::milliseconds(100)) return false;
   last_ = now;
@@ -57,7 +57,7 @@ void ProgressReporter::show(const std::string& stage, int iteration, double cost
 
 void ProgressReporter::show_json(int iteration, double cost, double fraction, bool new_stage) {
   using ProgressLine = nlohmann::ordered_json;
-  constexpr double kDigits = 1e4;  // of the fraction: 0.3, not 0.30000000000000004
+  constexpr double kDigits = 1e4;  // rounds the fraction: 0.3 instead of 0.30000000000000004
   const bool made = iteration > 0 || cost != 0.0;
   const ProgressLine line = {
       {"stage", stage_},
@@ -65,7 +65,7 @@ void ProgressReporter::show_json(int iteration, double cost, double fraction, bo
       {"cost", made && std::isfinite(cost) ? ProgressLine(cost) : ProgressLine(nullptr)},
       {"fraction", std::round(kDigits * fraction) / kDigits}};
   std::string text = line.dump(-1, ' ', false, ProgressLine::error_handler_t::replace) + "\n";
-  if (new_stage && !pending_.empty()) put_progress(pending_);  // how the stage before ended
+  if (new_stage && !pending_.empty()) put_progress(pending_);  // final step of the previous stage
   pending_.clear();
   if (due(new_stage))
     put_progress(text);

@@ -10,12 +10,11 @@ namespace octant::app {
 
 enum class ProgressStyle { kNone, kBar, kPlain, kJson };
 
-/// What --progress, --quiet and the terminal come to: "auto" is a bar on a terminal and plain lines
-/// elsewhere.
+/// Style that results from --progress, --quiet and the terminal: "auto" is a bar on a terminal and plain
+/// lines elsewhere.
 [[nodiscard]] ProgressStyle progress_style(std::string_view wanted, bool quiet);
 
-/// Shows on standard error how far a computation is: a bar that is drawn over, a line for each new stage, or
-/// JSON lines.
+/// Shows the progress of a computation on standard error: a bar, one line for each stage, or JSON lines.
 class ProgressReporter {
  public:
   explicit ProgressReporter(ProgressStyle style) : style_(style) {}
@@ -23,11 +22,11 @@ class ProgressReporter {
   ProgressReporter(const ProgressReporter&) = delete;
   ProgressReporter& operator=(const ProgressReporter&) = delete;
 
-  /// As JSON the first and the last step of each stage are shown, and between them ten a second; cost is null
-  /// where no step was made yet.
-  /// @param fraction  0..1 of the whole
+  /// In JSON style the first and last step of each stage are shown, and at most ten steps per second between
+  /// them. The cost is null before the first step.
+  /// @param fraction  completed share of the whole, 0 to 1
   void show(const std::string& stage, int iteration, double cost, double fraction);
-  /// Clears the bar. Called before other talk.
+  /// Clears the bar. Call it before other output.
   void finish();
 
  private:
@@ -36,7 +35,7 @@ class ProgressReporter {
 
   ProgressStyle style_;
   std::string stage_;
-  std::string pending_;  ///< JSON of the last step that was not shown
+  std::string pending_;  ///< JSON of the latest step, not shown yet
   bool drawn_ = false;
   std::chrono::steady_clock::time_point last_{};
 };

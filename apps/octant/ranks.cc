@@ -31,8 +31,8 @@ int Job::finish(int code) { return code; }
 namespace octant::app {
 namespace {
 
-/// Initialising MPI in a process that nobody launched costs a moment and may fail: so only where a launcher
-/// left its mark.
+/// Initialising MPI without a launcher takes time and may fail, so it is done only if the environment shows a
+/// launcher.
 bool was_launched() {
   for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "PMI_SIZE"})
     if (std::getenv(name) != nullptr) return true;
@@ -51,7 +51,7 @@ class Job::Mpi : public calib::Ranks {
     MPI_Comm_size(MPI_COMM_WORLD, &count_);
     MPI_Comm_rank(MPI_COMM_WORLD, &index_);
     if (index_ == 0) return;
-    // All ranks find the same; once is enough to say it.
+    // All ranks find the same errors, so only the first one reports them.
     stderr_ = dup(STDERR_FILENO);
     const int nowhere = open("/dev/null", O_WRONLY);
     if (nowhere < 0) return;
@@ -68,8 +68,8 @@ class Job::Mpi : public calib::Ranks {
   [[nodiscard]] int count() const override { return count_; }
   [[nodiscard]] int index() const override { return index_; }
   void sum(std::span<double> values) const override {
-    // MPI counts in int. It does not promise that all ranks get the same last bit, but they must decide
-    // alike: the first's holds.
+    // MPI counts in int. The last bit may differ between ranks, but all must make the same decisions, so the
+    // first rank's result is used.
     constexpr std::size_t kMost = std::numeric_limits<int>::max() / 2;
     for (std::size_t first = 0; first < values.size(); first += kMost) {
       const int count = static_cast<int>(std::min(kMost, values.size() - first));
@@ -103,7 +103,7 @@ class Job::Mpi : public calib::Ranks {
     for (int here = 0; here == 0;) {
       MPI_Test(&all_here, &here, MPI_STATUS_IGNORE);
       if (here != 0) break;
-      // Who is done well waits for the slower ones; who failed would leave them waiting for him.
+      // A rank that succeeded waits for slower ones; a rank that failed would leave them waiting.
       if (code != 0 && std::chrono::steady_clock::now() > until) {
         if (stderr_ >= 0)
           dprintf(stderr_,

@@ -10,9 +10,8 @@
 
 namespace octant::app {
 
-/// The processes that an MPI launcher (mpirun, srun) started together; a process on its own where there was
-/// none, or where Octant was built without -DOCTANT_MPI=ON. The first of them talks and writes; the others
-/// are silent.
+/// Processes started together by an MPI launcher (mpirun, srun). A single process without a launcher, or if
+/// Octant was built without -DOCTANT_MPI=ON. Only the first process writes output.
 class Job {
  public:
   Job(int* argc, char*** argv);
@@ -20,13 +19,14 @@ class Job {
   Job(const Job&) = delete;
   Job& operator=(const Job&) = delete;
 
-  /// null: this process is alone.
+  /// Null for a single process.
   [[nodiscard]] const calib::Ranks* ranks() const;
   [[nodiscard]] bool is_first() const { return ranks() == nullptr || ranks()->index() == 0; }
-  /// What every rank has to say, on the first; elsewhere empty. All ranks call it.
+  /// Collects the texts of all ranks on the first rank; elsewhere the result is empty. All ranks must call
+  /// it.
   [[nodiscard]] std::vector<std::string> gather(const std::string& text) const;
-  /// Ends the work of this rank with its exit code. Where it failed and the others do not come to the same
-  /// end, the whole job is ended, so that nobody waits for it.
+  /// Ends this rank with its exit code. If it failed and the others do not fail as well, the whole job is
+  /// terminated, so that no rank waits forever.
   [[nodiscard]] int finish(int code);
 
  private:

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kMaxWarningLines = 50, kMaxWarningBytes = 12'000;
 
-/// Colour where people look, and only if they did not say no (https://no-color.org).
+/// Colour on terminals, unless disabled (https://no-color.org).
 std::string painted(const char* colour, std::string_view text) {
   const char* no_color = std::getenv("NO_COLOR");
   const char* term = std::getenv("TERM");
@@ -27,8 +27,8 @@ std::string painted(const char* colour, std::string_view text) {
   return plain ? std::string(text) : fmt::format("\033[{}m{}\033[0m", colour, text);
 }
 
-/// Not fmt::print, which throws where a disk is full or a reader is gone; print() looks at the stream's state
-/// in the end.
+/// Unlike fmt::print this does not throw if the disk is full or the reader is gone; print() checks the stream
+/// at the end.
 void put(std::FILE* stream, std::string_view text) { (void)std::fwrite(text.data(), 1, text.size(), stream); }
 
 Json error_object(const std::string& code, int exit, const std::string& message, const Error& error) {
@@ -149,7 +149,7 @@ int Session::finish(const Json& result) {
 int Session::fail(const Failure& failure, Json result) {
   complain(failure.words());
   Json whole = failure.object();
-  // Who is interrupted gets what a signal handler says, which knows of no warnings.
+  // An interrupted command prints the same object as the signal handler, which has no warnings.
   if (failure.exit == kInterrupted && result.empty()) return print(whole, kInterrupted);
   result.erase("status");
   whole.update(result);
@@ -197,7 +197,7 @@ std::string quote_command(int argc, const char* const* argv) {
 
 std::string created_now() {
   std::time_t now = std::time(nullptr);
-  // Reproducible builds of documents: https://reproducible-builds.org/specs/source-date-epoch
+  // Reproducible documents: https://reproducible-builds.org/specs/source-date-epoch
   if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) {
     char* end = nullptr;
     const long long seconds = std::strtoll(epoch, &end, 10);

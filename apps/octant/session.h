@@ -20,7 +20,7 @@ class Job;
 
 using Json = nlohmann::ordered_json;
 
-/// Exit codes of the contract.
+/// Exit codes as documented in the guide.
 enum Exit : int {
   kDone = 0,
   kFault = 1,
@@ -32,91 +32,92 @@ enum Exit : int {
   kInterrupted = 130
 };
 
-/// Options that every command has.
+/// Options that all commands have in common.
 struct CommonOptions {
   bool json = false;
   bool quiet = false;
   int verbose = 0;
   std::string progress = "auto";
-  int threads = 0;  ///< 0: as many as there are cores
+  int threads = 0;  ///< 0: number of cores
   std::uint64_t seed = 1;
 };
 
-/// What went wrong, for people and for machines.
+/// A failure as reported to people and machines.
 struct Failure {
-  std::string status;  ///< of the JSON object: "error", "undetermined", ...
-  std::string code;    ///< of its error: "bad_input", ...
+  std::string status;  ///< key `status` of the JSON object: "error", "undetermined", ...
+  std::string code;    ///< key `code` of its error: "bad_input", ...
   Exit exit = kFault;
   std::string message;
   std::string advice;
-  Error where{};  ///< the error of the outside world that it comes from, if it is one
-  /// The object's keys `status` and `error`.
+  Error where{};  ///< underlying error of the outside world, if there is one
+  /// JSON object with the keys `status` and `error`.
   [[nodiscard]] Json object() const;
-  /// What people read.
+  /// Text for people.
   [[nodiscard]] std::string words() const;
 };
 [[nodiscard]] Failure failure_of(const Error& error);
-/// The failure that stands for an interruption; also the last words of a program that a signal ends at once.
+/// Failure that represents an interruption. Also the final message of a program that a signal terminates at
+/// once.
 [[nodiscard]] Failure interruption();
 
-/// Ends a command: thrown by the step that fails, caught where commands are called and nowhere between.
+/// Exception that ends a command: thrown by the step that fails, and caught only where commands are called.
 struct CommandFailed : std::exception {
   explicit CommandFailed(Failure of) : failure(std::move(of)) {}
   [[nodiscard]] const char* what() const noexcept override { return failure.message.c_str(); }
   Failure failure;
 };
 
-/// Ends a command by an error of the outside world.
+/// Ends a command with an error of the outside world.
 [[noreturn]] void fail_with(const Error& error);
-/// The value of a result without which a command cannot go on: an error ends it.
-/// @param file  that an error is about which names none
+/// Value of a result; if it is an error, ends the command.
+/// @param file  file to report for errors that name none
 template <class T>
 T need(Result<T> result, const std::string& file = "") {
   if (!result && result.error().file.empty()) result.error().file = file;
   if (!result) fail_with(result.error());
   if constexpr (!std::is_void_v<T>) return std::move(*result);
 }
-/// Ends the command of what was typed wrongly (exit 2).
+/// Ends the command because of invalid usage (exit 2).
 [[noreturn]] void fail_usage(const std::string& message, const std::string& advice = "");
-/// Ends the command of a user who asked to stop, by a signal or through the progress of a computation.
+/// Ends the command if the user requested it, by a signal or through the progress callback.
 void stop_if_interrupted(bool stopped = false);
 
-/// One invocation of the program: its options, and the only way to standard output and standard error.
-/// With --json exactly one object goes to standard output, at the end; otherwise text for people goes there.
-/// Talk goes to standard error.
+/// One invocation of the program: its options, and the only access to standard output and standard error.
+/// With --json exactly one object is written to standard output, at the end; otherwise standard output has
+/// text for people. Messages go to standard error.
 class Session {
  public:
   CommonOptions options;
-  const Job* job = nullptr;  ///< whom the work is shared with; null: nobody
-  std::string command_line;  ///< as typed, quoted where needed
-  Json* object = nullptr;    ///< takes the object of the end instead of standard output; null: nobody does
+  const Job* job = nullptr;  ///< processes that share the work; null: this one alone
+  std::string command_line;  ///< as typed, with quotes where needed
+  Json* object = nullptr;    ///< receives the final object instead of standard output; null: standard output
 
-  /// Text of a result: standard output, or standard error where standard output carries a file (`-o -`); none
-  /// with --json.
+  /// Writes a result to standard output, or to standard error if standard output carries a file (`-o -`). No
+  /// output with --json.
   void result(std::string_view text);
   void result_to_stderr() { results_ = stderr; }
-  /// Talk, unless --quiet.
+  /// Writes a note, unless --quiet is given.
   void note(std::string_view text);
-  /// Talk with --verbose.
+  /// Writes a note if --verbose is given.
   void detail(std::string_view text);
-  /// Warnings are kept for the JSON object and go to standard error, each once, the first fifty of them.
+  /// Keeps warnings for the JSON object and writes the first fifty different ones to standard error.
   void warn(const std::vector<std::string>& warnings);
-  /// A session of the same options and words that keeps its warnings and says nothing: for one of several
-  /// things done at once.
+  /// Creates a silent session with the same options that collects its own warnings, for one of several
+  /// concurrent tasks.
   [[nodiscard]] Session part(int threads) const;
   void warn(const std::string& warning) { warn(std::vector<std::string>{warning}); }
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
 
-  /// Ends with a document on standard output that is a result as it stands, --json or not.
+  /// Ends with a document on standard output, which is the result with and without --json.
   [[nodiscard]] int finish_document(std::string_view text);
-  /// Ends with success: prints the result, which gets `status` and `warnings` where it has none.
+  /// Ends with success and prints the result. `status` and `warnings` are added unless present.
   [[nodiscard]] int finish(const Json& result);
-  /// Ends with a failure; keys of `result` are kept beside `status` and `error`.
+  /// Ends with a failure; the keys of `result` are kept next to `status` and `error`.
   [[nodiscard]] int fail(const Failure& failure, Json result = Json::object());
 
-  /// Threads to use.
+  /// Number of threads to use.
   [[nodiscard]] int threads() const;
-  /// Since the start of the program.
+  /// Time since the start of the program.
   [[nodiscard]] double seconds() const;
 
  private:
@@ -131,14 +132,14 @@ class Session {
   std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
 };
 
-/// The last words of a program whose input was cut off while it was read.
+/// Final message of a program whose input was truncated while being read.
 [[nodiscard]] Json lost_input_object();
-/// One line, with bytes that are not UTF-8 replaced and numbers that are not finite as null.
+/// One line of JSON. Invalid UTF-8 is replaced, and numbers that are not finite become null.
 [[nodiscard]] std::string dump(const Json& object);
-/// A word as a shell would need it typed: in quotes where it has blanks or the like.
+/// Quotes a word for a shell if necessary.
 [[nodiscard]] std::string quote_word(const std::string& word);
-/// Joins words as a shell would need them typed.
+/// Joins words into a command line for a shell.
 [[nodiscard]] std::string quote_command(int argc, const char* const* argv);
-/// Now, or SOURCE_DATE_EPOCH, as ISO 8601 in UTC.
+/// Current time or SOURCE_DATE_EPOCH, as ISO 8601 in UTC.
 [[nodiscard]] std::string created_now();
 }  // namespace octant::app

@@ -19,7 +19,7 @@ Result<std::unique_ptr<StreamSource>> StreamSource::open(const std::vector<std::
   std::unique_ptr<StreamSource> source(new StreamSource(folders, names, timing, session));
   source->constant_speed_mps_ = constant_speed_mps;
   for (const auto& folder : folders) {
-    // One thread each, so that none of them begins before it is its turn.
+    // One thread for each recording, so that reading starts only when it is needed.
     auto stream = io::RunStream::open(folder, source->names_, timing,
                                       {.constant_speed_mps = constant_speed_mps, .threads = 1});
     if (!stream) return fail(stream.error());
@@ -75,7 +75,7 @@ bool fits_for_sure(const std::vector<std::string>& folders, std::size_t memory_b
   constexpr std::size_t kShortestRow = 10;
   std::size_t arrivals = 0, odometry = 0;
   const auto rows_of = [](const std::string& folder, const char* file) {
-    std::error_code none;  // then whoever reads it says so
+    std::error_code none;  // the reader will report this error
     const auto size = std::filesystem::file_size(std::filesystem::path(folder) / file, none);
     return none ? 0 : static_cast<std::size_t>(size) / kShortestRow;
   };

@@ -12,11 +12,11 @@
 
 namespace octant::app {
 
-/// Run folders as a source of arrivals that are read again and again.
+/// Run folders as a source of arrivals that can be read repeatedly.
 class StreamSource : public ArrivalSource {
  public:
-  /// Errors: those of read_run() but for the rows of tof.csv, which scan() finds.
-  /// @param session  hears the warnings of reading
+  /// Errors are those of read_run(), except for invalid rows of tof.csv, which scan() reports.
+  /// @param session  receives the warnings of the readers
   [[nodiscard]] static Result<std::unique_ptr<StreamSource>> open(const std::vector<std::string>& folders,
                                                                   const NameTable& names,
                                                                   const Timing& timing, Session& session,
@@ -30,7 +30,7 @@ class StreamSource : public ArrivalSource {
                                   std::vector<Arrival>& arrivals) const override {
     return streams_[run].read_blocks(first, last, arrivals);
   }
-  /// A guess at the number of arrivals, rather too many; before scan().
+  /// Upper estimate of the number of arrivals, available before scan().
   [[nodiscard]] std::size_t rows_estimate() const;
   [[nodiscard]] std::size_t odometry_rows() const;
 
@@ -43,11 +43,12 @@ class StreamSource : public ArrivalSource {
   NameTable names_;
   Timing timing_;
   Session& session_;
-  double constant_speed_mps_ = 0.0;  ///< as in io::ReadRunOptions
+  double constant_speed_mps_ = 0.0;  ///< see io::ReadRunOptions
   std::vector<io::RunStream> streams_;
 };
 
-/// Whether recordings are so small that they take less than this, however short their rows.
+/// Returns true if recordings are certain to need less memory than given, even if their rows are as short as
+/// possible.
 [[nodiscard]] bool fits_for_sure(const std::vector<std::string>& folders, std::size_t memory_bytes);
 
 }  // namespace octant::app

@@ -47,7 +47,8 @@ SurveyInput read_survey_input(const std::string& path, const std::string& scene_
   SurveyInput input;
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   const bool json = first != std::string::npos && text[first] == '{';
-  if (json && text.find("\"octant_site\"") == std::string::npos) {  // JSON is YAML: a site may be written so
+  if (json && text.find("\"octant_site\"") ==
+                  std::string::npos) {  // JSON is valid YAML, so it may also be a site file
     input.deployment = need(io::deployment_from_json(text, path));
   } else {
     input.site = need(io::read_site(path));

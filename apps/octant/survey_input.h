@@ -16,11 +16,11 @@
 
 namespace octant::app {
 
-/// A site or a deployment with its scene, as the commands that look at geometry take it.
+/// A site or a deployment with its scene, as input of the commands that evaluate geometry.
 struct SurveyInput {
-  std::optional<Site> site;  ///< one of both
+  std::optional<Site> site;  ///< exactly one of both is set
   std::optional<Deployment> deployment;
-  Scene scene;  ///< of --scene, else of the site file's block, else all defaults
+  Scene scene;  ///< from --scene, else from the site file, else the default
   survey::SurveyModel model;
   [[nodiscard]] NameTable names() const { return site ? names_of(*site) : names_of(*deployment); }
   [[nodiscard]] const std::vector<SiteVehicle>& vehicles() const {
@@ -28,24 +28,23 @@ struct SurveyInput {
   }
 };
 
-/// Where the model's beacons stand.
+/// Source of the beacons' positions in the model.
 enum class BeaconPlaces {
-  kStated,   ///< where the file has them
-  kNone,     ///< it has none, whatever the site has: for whoever looks for their places (site files only)
-  kRecorded  ///< where recordings will find them: the model is not made yet (site files only)
+  kStated,   ///< positions in the file
+  kNone,     ///< no beacons, even if the site has some: their positions are to be planned (site files only)
+  kRecorded  ///< recordings will determine the positions, so the model is built later (site files only)
 };
 
-/// Reads a site file or a deployment (a deployment is JSON that does not say octant_site) and the scene;
-/// warnings go to the session.
-/// @param scene_path  file with a scene alone; empty: the site's own
-/// @param vehicle  name; empty: the first one
-/// @param cell_m  goes before the scene's
+/// Reads a site file or a deployment (JSON without octant_site) and the scene. Warnings go to the session.
+/// @param scene_path  file with a scene only; empty: the site's own scene
+/// @param vehicle  name; empty: the first vehicle
+/// @param cell_m  overrides the scene's cell size
 [[nodiscard]] SurveyInput read_survey_input(const std::string& path, const std::string& scene_path,
                                             const std::string& vehicle, std::optional<double> cell_m,
                                             Session& session, BeaconPlaces places = BeaconPlaces::kStated);
 
-/// The model of a site whose beacons recordings have found. Warnings go to the session.
-/// @param path  of the site file  @param placed  which beacons, each at its entry of p_map_m
+/// Model of a site whose beacons were found from recordings. Warnings go to the session.
+/// @param path  path of the site file  @param placed  marks the beacons with a valid entry in p_map_m
 void place_recorded(const std::string& path, const std::vector<bool>& placed,
                     const std::vector<Eigen::Vector3d>& p_map_m, SurveyInput& input, Session& session);
 

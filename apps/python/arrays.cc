@@ -22,7 +22,7 @@ void register_rows() {
 
 FixRow row_of(const Fix& fix) {
   FixRow row;
-  // What there is none of is no number, so that a plot leaves it out.
+  // Missing values are NaN, so that plots omit them.
   row.x_m = row.y_m = row.z_m = row.heading_rad = row.qx = row.qy = row.qz = row.qw = row.sigma_x_m =
       row.sigma_y_m = row.sigma_heading_rad = row.protection_level_m =
           std::numeric_limits<double>::quiet_NaN();

@@ -14,7 +14,7 @@
 
 namespace pybind11::detail {
 
-/// An id is its number.
+/// An id converts to its number.
 template <class Tag>
 struct npy_format_descriptor<octant::Id<Tag>> : npy_format_descriptor<std::int32_t> {
   static std::string format() { return format_descriptor<std::int32_t>::format(); }
@@ -22,10 +22,10 @@ struct npy_format_descriptor<octant::Id<Tag>> : npy_format_descriptor<std::int32
 
 }  // namespace pybind11::detail
 
-// What Octant keeps in lists, as NumPy sees it: views into the list itself, which its owner keeps alive.
+// NumPy views of Octant's lists, without copies; the owner of a list is kept alive.
 namespace octant::python {
 
-/// Tells NumPy what rows consist of; once, before there are any.
+/// Registers the types of rows with NumPy. Call once, before any view is made.
 void register_rows();
 
 /// A fix as a row of numbers.
@@ -41,19 +41,19 @@ struct FixRow {
 };
 [[nodiscard]] FixRow row_of(const Fix& fix);
 
-/// A view of a list; `owner` holds it.
+/// View of a list that `owner` contains.
 template <class Row>
 [[nodiscard]] pybind11::array view(const std::vector<Row>& rows, const pybind11::handle& owner) {
   return pybind11::array(pybind11::dtype::of<Row>(), {rows.size()}, {sizeof(Row)}, rows.data(), owner);
 }
-/// A view of a list that is nobody else's.
+/// View of a list that the view itself owns.
 template <class Row>
 [[nodiscard]] pybind11::array own(std::vector<Row> rows) {
   auto* kept = new std::vector<Row>(std::move(rows));
   return view(*kept, pybind11::capsule(kept, [](void* p) { delete static_cast<std::vector<Row>*>(p); }));
 }
 
-/// time_s, x, y, z, qx, qy, qz, qw of each.
+/// Columns time_s, x, y, z, qx, qy, qz, qw.
 [[nodiscard]] pybind11::array poses_array(const std::vector<TimedPose>& poses);
 
 }  // namespace octant::python

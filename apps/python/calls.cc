@@ -32,7 +32,7 @@ py::object to_python(const Json& json) { return py::module_::import("json").attr
   throw py::error_already_set();
 }
 
-/// A session of no terminal, whose object comes here.
+/// A session without a terminal, whose result is stored here.
 struct Call {
   explicit Call(const std::string& words, int threads) {
     app::Session any;
@@ -44,8 +44,8 @@ struct Call {
   Json object;
   app::Session session;
 
-  /// Runs work(session), which ends with one of the session's endings, without Python's lock. Ctrl-C stops
-  /// it.
+  /// Runs work(session), which must end with one of the session's final calls, without Python's lock. Ctrl-C
+  /// interrupts it.
   template <class Work>
   py::object run(Work&& work) {
     int exit = 0;
@@ -59,7 +59,7 @@ struct Call {
       }
       if (exit != app::kDone && app::interrupted()) exit = session.fail(app::interruption());
     }
-    // Ctrl-C while Python did not look: KeyboardInterrupt, on the main thread.
+    // Ctrl-C while Python was not running: raises KeyboardInterrupt on the main thread.
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     if (exit != app::kDone) raise_object(object);
     return to_python(object);

@@ -8,11 +8,11 @@
 
 namespace octant::python {
 
-/// Raises octant.errors' exception of a failure's category. The caller holds Python's lock.
+/// Raises the exception of octant.errors for the category of a failure. The caller must have Python's lock.
 [[noreturn]] void raise(const Error& error);
 
-/// The commands that give an object: check, calibrate, verify, survey, monitor. They take paths, as on the
-/// command line, and give what `--json` prints.
+/// Commands with an object as result: check, calibrate, verify, survey, monitor. Arguments are paths, as on
+/// the command line, and the result is that of `--json`.
 void bind_calls(pybind11::module_& m);
 
 }  // namespace octant::python

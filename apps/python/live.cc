@@ -20,7 +20,7 @@ namespace {
 namespace py = pybind11;
 using namespace py::literals;
 
-/// The follower with its fixes kept until they are asked for.
+/// A follower whose fixes are stored until they are fetched.
 struct Live {
   Live(const Deployment& d, const std::string& method, bool watch, const OdometrySigmas& noise,
        double lateness_s)

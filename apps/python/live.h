@@ -17,21 +17,21 @@
 
 namespace octant::python {
 
-/// What octant.Fixes is.
+/// Implementation of octant.Fixes.
 struct Fixes {
   std::vector<Fix> fixes;
   NameTable names;
-  std::optional<RunSpeed> speed{};  ///< of a run at an unknown temperature
+  std::optional<RunSpeed> speed{};  ///< set for a run at an unknown temperature
 };
 
-/// Raises ValueError where there is no such method.
+/// Raises ValueError for an unknown method.
 [[nodiscard]] Method method_named(const std::string& name);
 
-/// A dict with the keys of run.yaml's block `odometry`; none: what holds where that says nothing.
+/// Dictionary with the keys of the block `odometry` in run.yaml; without one the defaults apply.
 using OdometrySigmas = std::optional<std::map<std::string, double>>;
 [[nodiscard]] OdometryAccuracy odometry_noise(const OdometrySigmas& sigmas);
 
-/// octant.Follower.
+/// Implementation of octant.Follower.
 void bind_live(pybind11::module_& m);
 
 }  // namespace octant::python

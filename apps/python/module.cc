@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// octant._octant: what the Python package octant/ stands on. Parse, call, hand over; no estimation here.
+// octant._octant: implementation of the Python package octant. It converts arguments and results; estimation
+// is in the libraries.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -30,7 +31,7 @@ namespace {
 namespace py = pybind11;
 using namespace py::literals;
 
-/// Calls without Python's lock; what fails is raised with it.
+/// Calls a function without Python's lock and raises its error with the lock.
 template <class Call>
 auto unlocked(Call&& call) {
   auto result = [&] {
@@ -41,7 +42,7 @@ auto unlocked(Call&& call) {
   if constexpr (!std::is_void_v<typename decltype(result)::value_type>) return std::move(*result);
 }
 
-/// Of all readers and writers of names and rows.
+/// Options of the readers and writers of runs.
 struct Run {
   MeasurementLog log;
   NameTable names;
@@ -69,7 +70,7 @@ Run read_run(const std::string& folder, const py::object& of, bool truth) {
   return {unlocked([&] { return io::read_run(folder, names, timing, options); }), names};
 }
 
-/// Arrays are refused where the readers of files refuse a row.
+/// Arrays are rejected for the same reasons as rows of files.
 void expect(bool holds, const char* message) {
   if (!holds) throw py::value_error(message);
 }
@@ -153,7 +154,7 @@ Run make_run(const py::object& of, const Array<double>& time_s, const Array<std:
   return run;
 }
 
-/// Whether a beacon's or a receiver's number is the same one's by both.
+/// Returns true if an index refers to the same beacon or receiver in both tables.
 bool same_names(const NameTable& a, const NameTable& b) {
   return a.beacons == b.beacons && a.vehicles == b.vehicles &&
          std::equal(a.receivers.begin(), a.receivers.end(), b.receivers.begin(), b.receivers.end(),
@@ -176,7 +177,7 @@ py::array positions(const py::object& self, Owner* first, std::size_t count, con
                    first == nullptr ? nullptr : at, self);
 }
 
-/// Of each beacon, 3 x 3.
+/// One 3 x 3 covariance for each beacon.
 py::array_t<double> beacon_covariances(const Deployment& d) {
   py::array_t<double> all({d.beacons.size(), std::size_t{3}, std::size_t{3}});
   auto out = all.mutable_unchecked<3>();

@@ -22,7 +22,7 @@ struct BatchArgs {
   CalibrateOptions how;
 };
 
-/// "2/10": the second of ten.
+/// Parses "2/10", the second of ten shards.
 std::optional<Shard> shard_of(const std::string& text) {
   std::size_t i = 0, count = 0;
   const char* end = text.data() + text.size();
@@ -51,7 +51,7 @@ std::string summary(const io::Batch& batch, const std::vector<SiteOutcome>& outc
   return table.text();
 }
 
-/// What all ranks did, in the order of the list; on the first rank.
+/// Outcomes of all ranks in the order of the list, on the first rank.
 std::vector<SiteOutcome> gathered(const std::vector<SiteOutcome>& mine, const Job& job) {
   Json told = Json::array();
   for (const auto& outcome : mine)
@@ -68,7 +68,7 @@ std::vector<SiteOutcome> gathered(const std::vector<SiteOutcome>& mine, const Jo
   return all;
 }
 
-/// The list was gone through; what of the sites?
+/// Ends the command after all sites have been processed, and summarises their outcomes.
 int end(const io::Batch& batch, const std::vector<SiteOutcome>& outcomes, const Json& object,
         Session& session) {
   std::size_t failed = 0, unfinished = 0;
@@ -133,7 +133,7 @@ int run(const BatchArgs& args, Session& session) {
   }
   const calib::Ranks* ranks = session.job != nullptr ? session.job->ranks() : nullptr;
   if (ranks != nullptr) {
-    // A shard of the shard: of the sites that this job is to do, each rank takes every so many.
+    // The shard of this job is divided among the ranks.
     shard.index += shard.count * static_cast<std::size_t>(ranks->index());
     shard.count *= static_cast<std::size_t>(ranks->count());
   }
@@ -143,7 +143,7 @@ int run(const BatchArgs& args, Session& session) {
   if (!args.folder.empty()) {
     std::error_code error;
     std::filesystem::create_directories(args.folder,
-                                        error);  // another job of the array may have been faster
+                                        error);  // another job of the array may have created it
     if (error)
       fail_with({.code = Errc::kOutput,
                  .file = args.folder,
@@ -160,7 +160,7 @@ int run(const BatchArgs& args, Session& session) {
   });
   if (ranks != nullptr) {
     outcomes = gathered(outcomes, *session.job);
-    if (!session.job->is_first()) return kDone;  // the first rank tells of all
+    if (!session.job->is_first()) return kDone;  // the first rank reports for all
     shard.index %= shard.count / static_cast<std::size_t>(ranks->count());
     shard.count /= static_cast<std::size_t>(ranks->count());
   }

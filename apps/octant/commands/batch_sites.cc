@@ -68,7 +68,7 @@ SiteOutcome outcome_of(const io::BatchSite& site, std::size_t number, const Cali
 std::vector<SiteOutcome> calibrate_sites(const io::Batch& batch, Shard shard, const CalibrateOptions& how,
                                          const Session& session,
                                          const std::function<void(const SiteOutcome&)>& on_done) {
-  // While one site is being written, the reading of another must not end the program.
+  // A signal must not terminate the program in this thread while another thread writes the results of a site.
   const NoExitAtOnce others_may_write;
   std::vector<SiteOutcome> outcomes;
   for (std::size_t i = 0; i < batch.sites.size(); ++i)

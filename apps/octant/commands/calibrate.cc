@@ -25,7 +25,7 @@ struct CalibrateArgs {
   CalibrateOptions options;
 };
 
-/// What the adjustment itself says, whether or not there is something to export.
+/// Results of the adjustment, which exist even if there is no deployment to export.
 Json solution_json(const Calibration& c, const Session& session) {
   const calib::Solution& s = c.solution;
   return {{"converged", s.status == calib::SolveStatus::kConverged},
@@ -99,7 +99,7 @@ std::optional<Failure> failure_of(const Calibration& calibration) {
       advice += (advice.empty() ? "" : "; ") + c.remedy;
     }
     for (const auto& weak : s.weak) {
-      // The message of the solver may name the remedy already.
+      // The message of the solver may already include the remedy.
       if (!weak.blocking || weak.remedy.empty() || message.find(weak.remedy) != std::string::npos) continue;
       advice += (advice.empty() ? "settled by: " : "; ") + weak.remedy;
     }
@@ -135,8 +135,7 @@ Json calibration_json(const Calibration& calibration, const Session& session) {
 
 namespace {
 
-/// What changed since an earlier deployment: of a result that is contradicted, a shift may be the
-/// contradiction's.
+/// Changes since an earlier deployment. If the result is contradicted, they may be due to the contradiction.
 std::string comparison_text(const Calibration& calibration, const survey::ReportInput& input) {
   std::string text = changes_text(input);
   if (!text.empty() && !calibration.solution.contradictions.empty())
@@ -154,7 +153,7 @@ int run(const CalibrateArgs& args, Session& session) {
   const Calibration calibration = calibrate_files(args.site, args.runs, args.options, session);
   Json object = calibration_json(calibration, session);
   const auto failure = failure_of(calibration);
-  if (session.job != nullptr && !session.job->is_first())  // the first rank writes
+  if (session.job != nullptr && !session.job->is_first())  // only the first rank writes
     return failure ? session.fail(*failure, object) : kDone;
 
   const survey::ReportInput input = calibration_report(calibration, args.report, session);

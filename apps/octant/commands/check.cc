@@ -23,11 +23,11 @@
 namespace octant::app {
 namespace {
 
-/// All that is said of the recordings before anything is solved.
+/// Results of the checks that precede the adjustment.
 struct Logs {
   std::vector<calib::RunHealth> runs;
   std::vector<calib::Finding> findings;
-  std::vector<bool> has_truth;  ///< truth.tum or truth.csv lies there; it is not opened
+  std::vector<bool> has_truth;  ///< truth.tum or truth.csv exists; it is not read
 };
 
 Logs examine(const Site& site, const std::vector<MeasurementLog>& runs) {
@@ -198,7 +198,8 @@ std::string check_beacon_table(const calib::Forecast& f) {
   return table.text();
 }
 
-/// Beacons that do not block the others, a line for each remedy: how badly they are known is in the table.
+/// Undetermined beacons that do not block the others, one line for each remedy. The table shows their
+/// accuracy.
 std::string lone_beacons_text(const calib::Solution& s) {
   std::vector<std::pair<std::string, std::vector<const calib::WeakDirection*>>> by_remedy;
   for (const auto& w : s.weak) {
@@ -221,7 +222,7 @@ std::string lone_beacons_text(const calib::Solution& s) {
   return text;
 }
 
-/// What a reader came for: can these data do it, and if not, what would settle it.
+/// The main result: can these data determine the parameters, and if not, which measurement would?
 std::string forecast_verdict_text(const calib::Forecast& f) {
   const calib::Solution& s = f.solution;
   const bool converged = s.status == calib::SolveStatus::kConverged;
@@ -278,7 +279,7 @@ calib::Forecast forecast(const calib::Problem& problem, const CheckArgs& args, S
   return f;
 }
 
-/// What the quick adjustment shows: contradictions, or what is suspicious where there are none.
+/// Findings of the quick adjustment: contradictions, or suspicious observations if there are none.
 std::vector<calib::Finding> findings_of(const calib::Forecast& f, Logs& logs) {
   std::vector<calib::Finding> findings;
   for (const Contradiction& c : f.solution.contradictions)
@@ -303,7 +304,7 @@ int check_recordings(const CheckArgs& args, Session& session) {
   if (!problem) {
     for (std::size_t i = 0; i < logs.runs.size(); ++i)
       session.result(health_text(logs.runs[i], logs.has_truth[i]));
-    // Logs that cannot be made a problem of (their unit, no vehicle states) are still worth a look.
+    // Logs from which no problem can be built (wrong unit, no vehicle states) are still reported.
     return session.fail(failure_of(problem.error()),
                         {{"health", health_json(logs)}, {"verdict", nullptr}, {"beacons", Json::array()}});
   }

@@ -18,10 +18,10 @@
 namespace octant::app {
 namespace {
 
-/// The demo's promise: what the bundled hall must come to.
+/// Largest errors that the bundled hall may have for the demo to pass.
 constexpr double kBeaconLimit_m = 0.010, kFixLimit_m = 0.010;
 
-/// Files of the demo's folder.
+/// Files in the folder of the demo.
 struct Places {
   explicit Places(std::string f) : folder(std::move(f)) {}
   std::string folder;
@@ -51,7 +51,7 @@ struct Checked {
 };
 
 Checked localize_and_verify(const Places& at, Session& session) {
-  // From the file, as a robot would.
+  // Reads the file back, as a robot would.
   const Deployment deployment = need(io::read_deployment(at.deployment));
   const auto runs = read_runs({at.heldout}, deployment, {.read_truth = true, .read_poses = false}, session);
   Checked checked{{}, need(localize_runs(deployment, runs, Method::kAuto))};
@@ -66,7 +66,7 @@ Checked localize_and_verify(const Places& at, Session& session) {
   return checked;
 }
 
-/// The demo's own gates: against the simulated truth, which no real site has.
+/// Checks against the simulated truth, which real sites do not have.
 std::vector<survey::Gate> gates_of(const Deployment& found, const Deployment& truth,
                                    const survey::Evaluation& evaluation) {
   double worst_m = 0.0;

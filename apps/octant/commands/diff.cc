@@ -36,7 +36,7 @@ Json rows_json(const survey::Changes& changes) {
   return rows;
 }
 
-/// Positions of the beacons that both determined, side by side.
+/// Positions in both deployments of the beacons that both determine.
 std::vector<std::array<Eigen::Vector3d, 2>> common_places(const Deployment& before, const Deployment& now) {
   std::vector<std::array<Eigen::Vector3d, 2>> places;
   for (const DeploymentBeacon& a : before.beacons)
@@ -47,9 +47,9 @@ std::vector<std::array<Eigen::Vector3d, 2>> common_places(const Deployment& befo
   return places;
 }
 
-/// Share of the distances between beacons, which no frame changes, that are still the same to some
-/// centimetres and per cent; no value for fewer than three beacons. Two sites of one size agree by chance in
-/// one of twenty, a site of which half of the beacons were moved in one of five.
+/// Share of the distances between beacons that agree within some centimetres and percent. Distances do not
+/// depend on the frame. No value for fewer than three beacons. By chance one in twenty distances agrees for
+/// two different sites of equal size, and one in five for a site with half of its beacons moved.
 std::optional<double> share_of_same_distances(const std::vector<std::array<Eigen::Vector3d, 2>>& places) {
   constexpr double kSame_m = 0.05, kSame = 0.02;
   std::size_t pairs = 0, same = 0;
@@ -63,7 +63,7 @@ std::optional<double> share_of_same_distances(const std::vector<std::array<Eigen
   return static_cast<double>(same) / static_cast<double>(pairs);
 }
 
-/// How far the beacon that moved least did, where that is a hundred times the site's extent and more.
+/// Smallest shift of a beacon, if it is at least a hundred times the extent of the site.
 std::optional<double> way_between_frames(const std::vector<std::array<Eigen::Vector3d, 2>>& places) {
   constexpr double kExtents = 100.0;
   double extent_m = 1.0, least_m = INFINITY;
@@ -74,7 +74,7 @@ std::optional<double> way_between_frames(const std::vector<std::array<Eigen::Vec
   return std::isfinite(least_m) && least_m > kExtents * extent_m ? std::optional(least_m) : std::nullopt;
 }
 
-/// Two sites compared give a table of differences that mean nothing.
+/// Warns if the deployments belong to different sites, whose differences are meaningless.
 void warn_of_two_sites(const Deployment& before, const Deployment& now, Session& session) {
   constexpr double kTwoSites = 0.25;
   if (before.site != now.site)

@@ -28,7 +28,7 @@ std::string temperature_text(const io::Visit& v) {
                                   : fmt::format("{:.1f} to {:.1f}", coldest, warmest);
 }
 
-/// A calibration's grade is what a report of its deployment says.
+/// Grades a calibration like a report of its deployment.
 io::Visit graded_visit(const std::string& path, const HistoryArgs& args, const Session& session) {
   io::Visit visit = need(io::read_visit(path));
   if (visit.kind == io::VisitKind::kCalibration) {
@@ -141,7 +141,7 @@ int show(const HistoryArgs& args, Session& session) {
   return session.finish({{"database", args.database}, {"visit", object}});
 }
 
-/// A row a beacon of each calibration, a row each other visit.
+/// One row for each beacon of a calibration, and one for each other visit.
 std::string export_csv(const std::vector<io::Visit>& visits) {
   std::string text =
       "id,date,kind,site,verdict,operator,note,digest,deployment_digest,coldest_degC,warmest_degC,speed_mps,"
@@ -195,8 +195,8 @@ using HistoryCommand = int (*)(const HistoryArgs&, Session&);
 }  // namespace
 
 Json visit_json(const io::Visit& v) {
-  // Key by key: ten thousand of them are listed in a fraction of the time that nested initialiser lists take,
-  // which are copied.
+  // Assigned key by key, because nested initialiser lists copy their elements, which is slow for ten thousand
+  // visits.
   Json object;
   object["id"] = v.id;
   object["kind"] = to_string(v.kind);

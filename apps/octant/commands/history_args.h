@@ -12,12 +12,12 @@
 
 namespace octant::app {
 
-/// What the user says to `octant history`; each of its commands takes its own part.
+/// Arguments of `octant history`; each of its commands uses some of them.
 struct HistoryArgs {
   std::string database = "site.octant.db";
   std::vector<std::string> files;   ///< add
   std::string who, note;            ///< add
-  std::string site, kind;           ///< list, trend, export: which visits
+  std::string site, kind;           ///< list, trend and export: filter of the visits
   std::int64_t id = 0;              ///< show
   std::string beacon;               ///< trend
   std::optional<double> limit_m{};  ///< trend
@@ -26,10 +26,11 @@ struct HistoryArgs {
 
 int history_trend(const HistoryArgs& args, Session& session);
 
-/// A visit without its document and beacons.
+/// A visit without its document and its beacons.
 [[nodiscard]] Json visit_json(const io::Visit& visit);
 [[nodiscard]] Json visit_beacons_json(const io::Visit& visit);
-/// The one site of a history, or the one that was named. Fails where there are several, or none of this name.
+/// Name of the only site of a history, or of the one that was chosen. Fails if there are several sites and no
+/// choice, or no site of this name.
 [[nodiscard]] std::string chosen_site(io::History& history, const HistoryArgs& args);
 
 }  // namespace octant::app

@@ -18,12 +18,12 @@ using survey::QuantityTrend;
 using survey::TrendQuantity;
 
 constexpr double kYear_s = 365.25 * 86400.0;
-/// Beyond this nobody plans, and calendars have no names for it.
+/// Later dates are meaningless as plans and cannot be formatted.
 constexpr double kFarthest_s = 50.0 * kYear_s;
 
 std::string day_at(double time_s) { return utc_text(static_cast<std::int64_t>(time_s)).substr(0, 10); }
 
-/// A date ahead, as far as anybody plans.
+/// Formats a future date, up to the longest planning horizon.
 std::string due_text(double time_s, double last_s) {
   return time_s - last_s > kFarthest_s ? "in more than 50 years" : day_at(time_s);
 }
@@ -53,19 +53,19 @@ survey::CalibrationRecord record_of(const io::Visit& v) {
   return record;
 }
 
-/// Millimetres, microseconds (or what fits), millimetres a second.
+/// Millimetres, microseconds (or another suitable unit), millimetres per second.
 Unit unit_of(const QuantityTrend& q) {
   if (q.quantity == TrendQuantity::kDelay) return time_unit(q.limit);
   return q.quantity == TrendQuantity::kSpeedOffset ? Unit{1e3, "mm/s", "mm/s"} : Unit{1e3, "mm", "mm"};
 }
 
-/// "x", "delay": the quantity without its unit.
+/// Name of the quantity without its unit: "x", "delay".
 std::string plain_name(TrendQuantity quantity) {
   const std::string name = survey::to_string(quantity);
   return name.substr(0, name.rfind('_'));
 }
 
-/// A character a visit, the last forty: where it stands from what was foretold, ! an alarm.
+/// One character for each of the last forty visits: deviation from the forecast, or ! for an alarm.
 std::string strip_of(const survey::ControlChart& chart) {
   constexpr std::size_t kShown = 40;
   std::string text;
@@ -134,7 +134,7 @@ std::string overview_text(const survey::SiteTrend& trend) {
              trend.cusum_h);
 }
 
-/// A line a visit: its value, and where it stands between -6 and 6 sigmas of what was foretold.
+/// One line for each visit: its value, and its deviation from the forecast between -6 and 6 sigmas.
 std::string chart_text(const QuantityTrend& q) {
   constexpr int kHalf = 24;
   constexpr double kWidest = 6.0;
@@ -222,7 +222,7 @@ Json next_json(const survey::SiteTrend& trend, double last_s) {
   return {{"due", one(trend.due, true)}, {"not_before", one(trend.earliest, false)}};
 }
 
-/// What the site must reach, by its latest calibration; where it says nothing, what TrendOptions says.
+/// Tolerance of the site from its latest calibration, else the default of TrendOptions.
 double drift_limit_m(io::History& history, const HistoryArgs& args, const io::Visit& latest) {
   if (args.limit_m) return *args.limit_m;
   const Deployment deployment =
@@ -230,7 +230,7 @@ double drift_limit_m(io::History& history, const HistoryArgs& args, const io::Vi
   return deployment.tolerance.beacon_m.value_or(survey::TrendOptions{}.limit_m);
 }
 
-/// The charts that were asked for: all, or a beacon's.
+/// Charts to show: all, or those of one beacon.
 std::vector<const QuantityTrend*> charts_of(const survey::SiteTrend& trend, const std::string& beacon) {
   std::vector<const QuantityTrend*> charts;
   for (const QuantityTrend& q : trend.quantities)

@@ -26,7 +26,7 @@ struct LocalizeArgs {
   FollowArgs live;
 };
 
-/// Both files or none.
+/// Writes both files, or neither if one of them fails.
 void write_outputs(const LocalizeArgs& args, const Deployment& deployment, const std::vector<Fix>& fixes) {
   if (!args.csv.empty()) need(io::write_file(args.csv, io::fixes_to_csv(fixes, names_of(deployment))));
   const auto written = io::write_file(args.output, io::fixes_to_tum(fixes));
@@ -68,7 +68,7 @@ std::string fixes_text(const Localization& found) {
                      found.arrivals, found.rejected);
 }
 
-/// Live, a deployment is all that there is.
+/// Live localization needs a deployment only.
 int run_live(const LocalizeArgs& args, Session& session) {
   if (!args.runs.empty() || !args.csv.empty() || (!args.output.empty() && args.output != "-") ||
       session.options.json)

@@ -24,7 +24,7 @@ int run(const PlanArgs& args, Session& session) {
   return args.schedule ? plan_schedule(args, session) : plan_beacons(args, session);
 }
 
-/// How the places are searched.
+/// Options of the search for positions.
 void add_search_options(CLI::App& command, PlanArgs& args) {
   add_option(command, "--algorithm", args.algorithm, "A",
              "NLopt's global one: crs2, direct, isres, esch or none")

@@ -10,7 +10,7 @@
 
 namespace octant::app {
 
-/// Words of `octant plan`; one of beacons, tolerance, stations and schedule says what is planned.
+/// Arguments of `octant plan`. One of beacons, tolerance, stations and schedule selects the plan.
 struct PlanArgs {
   std::string input, scene, vehicle, output, csv, report;
   std::vector<std::string> runs;
@@ -34,7 +34,7 @@ struct PlanArgs {
   double wall_reflection = 0.96, pulse_s = 2.5e-3;
 };
 
-// One file each.
+// Each plan is defined in the file of the same name.
 [[nodiscard]] int plan_beacons(const PlanArgs& args, Session& session);
 [[nodiscard]] int plan_stations(const PlanArgs& args, Session& session);
 [[nodiscard]] int plan_schedule(const PlanArgs& args, Session& session);

@@ -17,13 +17,13 @@
 namespace octant::app {
 namespace {
 
-/// Numbers of beacons that the proof goes through, at most.
+/// Largest number of rows in the table of beacon counts.
 constexpr std::size_t kProofRows = 12;
 
 struct BeaconPlan {
   survey::Placement placement;
   std::vector<survey::ProofRow> proof;
-  bool reached = true;  ///< the tolerance
+  bool reached = true;  ///< true if the tolerance is reached
 };
 
 survey::PlacementOptions options_of(const PlanArgs& args, ProgressReporter& reporter, Session& session) {

@@ -24,14 +24,14 @@ namespace {
 
 constexpr double kDegrees = 180 / M_PI;
 
-/// What is known before the stops, and how far the vehicle hears.
+/// Information available before the stops, and the range of reception.
 struct KnownBefore {
   calib::Knowledge knowledge;
   calib::HearingModel hearing;
-  std::optional<PoseAccuracy> measured_poses;  ///< where the recordings have a total station
+  std::optional<PoseAccuracy> measured_poses;  ///< set if the recordings have poses of a total station
 };
 
-/// A calibration of what was recorded so far, and of what it says about hearing.
+/// Calibrates the existing recordings, from which the prior information and the reception follow.
 KnownBefore known_from_runs(const PlanArgs& args, const Site& site, Session& session) {
   const calib::Problem problem = need(calib::make_problem(site, read_runs(args.runs, site, {}, session)));
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
@@ -59,8 +59,8 @@ KnownBefore known_before(const PlanArgs& args, const SurveyInput& input, Session
           {}};
 }
 
-/// Range and angle by the words, else by the recordings; walls and beams by the scene, with the beacons where
-/// the model has them.
+/// Range and angle from the arguments, else from the recordings; walls and beam patterns from the scene, for
+/// the beacons of the model.
 void complete_hearing(const PlanArgs& args, const SurveyInput& input, survey::SurveyModel& model,
                       KnownBefore& before) {
   calib::HearingModel& hearing = before.hearing;
@@ -87,7 +87,7 @@ Json known_json(const calib::BeaconKnowledge& k, const std::vector<std::string>&
           {"worst_beacon", names.empty() ? Json(nullptr) : Json(names[k.worst_beacon])}};
 }
 
-/// Fails where no beacon's position is asked for: no stop could improve any.
+/// Fails if no beacon's position is unknown, because no stop could improve any.
 void check_something_is_asked_for(const PlanArgs& args, const SurveyInput& input) {
   bool all_held = true;
   std::size_t beacons = 0;

@@ -28,7 +28,7 @@ calib::Provenance provenance_of(const SecondVisitFiles& visit, const Session& se
   return {created_now(), OCTANT_VERSION, session.command_line, visit.inputs};
 }
 
-/// Deployment and reports, all or none.
+/// Writes deployment and reports, all or none.
 void write_recalibration(const RecalibrateArgs& args, const Deployment& deployment,
                          const survey::ReportInput& input) {
   auto files = report_files(args.report, input);

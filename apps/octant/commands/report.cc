@@ -29,14 +29,14 @@ struct ReportCommandArgs {
   survey::CertificateInput certified;
 };
 
-/// The digest that the file carries; of a file without one, that of its bytes.
+/// Digest stored in the file; for a file without one, the digest of its bytes.
 std::string digest_of(const std::string& text) {
   const auto json = nlohmann::json::parse(text, nullptr, false);
   if (json.is_object() && json.contains("digest") && json["digest"].is_string()) return json["digest"];
   return io::sha256_hex(text);
 }
 
-/// What was saved, whole; or what a deployment says, with its geometry.
+/// Content of a saved report, or of a report made from a deployment and its geometry.
 survey::ReportInput read_saved(const std::string& text, const ReportCommandArgs& args, Session& session) {
   if (is_saved_report(text)) {
     survey::ReportInput saved = need(report_from_json(text, args.saved));
@@ -60,7 +60,7 @@ void verify_with(const std::vector<std::string>& folders, survey::ReportInput& i
   add_verification(input, found, verify_fixes(d, runs, found));
 }
 
-/// As Markdown where its name says so, else as a page without a script.
+/// Markdown if the file name asks for it, else a page without a script.
 std::string certificate_page(const ReportCommandArgs& args, const survey::ReportInput& input,
                              const std::string& digest) {
   survey::CertificateInput certified = args.certified;

@@ -13,7 +13,7 @@
 namespace octant::app {
 namespace {
 
-/// Files that people ask for by their own name, and the format that tells of them.
+/// Files with names of their own, and the format that describes them.
 constexpr std::array<std::pair<const char*, const char*>, 21> kFileNames = {
     {{"site.yaml", "site"},         {"tof.csv", "run"},          {"odometry.csv", "run"},
      {"odometry.tum", "run"},       {"bearings.csv", "run"},     {"scans.csv", "run"},
@@ -41,7 +41,7 @@ std::vector<std::string> known_formats() {
   return known;
 }
 
-/// The format that a name means; as it is where it means none.
+/// Format of a file name; other names are returned unchanged.
 std::string format_named(const std::string& name) {
   const auto file = std::ranges::find_if(kFileNames, [&](const auto& known) { return name == known.first; });
   return file == kFileNames.end() ? name : file->second;
@@ -60,7 +60,7 @@ int print_schema(const SchemaArgs& args, Session& session) {
                fmt::format("expected {}", formats_in_words()));
   if (page && session.options.json) fail_usage("--page is no JSON", "leave out one of --page and --json");
   if (page) return session.finish_document(io::schema_page(format, name));
-  // It is one JSON object already, so --json changes nothing.
+  // The schema is a JSON object already, so --json has no effect.
   return session.finish_document(io::schema_of_file(format, name));
 }
 

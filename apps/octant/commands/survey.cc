@@ -34,7 +34,7 @@ survey::Survey look(const SurveyArgs& args, Session& session) {
                                  {.threads = session.threads(), .failures = args.failures}));
 }
 
-/// Report, CSV and maps; what was written, for people and machines.
+/// Writes report, CSV and maps. Returns the list of outputs for people and machines.
 Json write_survey_outputs(const SurveyArgs& args, const survey::Survey& survey,
                           const std::optional<survey::FloorSchedule>& schedule, const Session& session) {
   Json written = Json::array();
@@ -59,7 +59,7 @@ Json write_survey_outputs(const SurveyArgs& args, const survey::Survey& survey,
   return written;
 }
 
-/// With what the survey itself names: plans that were imported, a file for each map.
+/// Files including those that the survey itself names: imported plans, and one file for each map.
 CommandFiles files_of(const SurveyArgs& args, const survey::Survey& survey) {
   CommandFiles files{.inputs = survey.scene.imported, .outputs = {args.report, args.csv}};
   files.inputs.insert(files.inputs.end(), {args.input, args.scene});

@@ -37,7 +37,7 @@ std::string gates_in_words(const survey::Evaluation& evaluation, const Localizat
   return missed;
 }
 
-/// One row a method: figures, or why it is not possible here.
+/// Prints one row for each method: its errors, or the reason why it is not applicable.
 int compare(const Deployment& deployment, const std::vector<MeasurementLog>& runs, const MethodInput& input,
             Session& session) {
   Table table{

@@ -61,20 +61,20 @@ MeasurementLog from_pulses(const ConvertArgs& args, const NameTable& names) {
   return log;
 }
 
-/// What a log looks like, where --format does not say.
+/// Detects the format of a log if --format is not given.
 std::string format_of(const ConvertArgs& args) {
   if (args.format != "auto") return args.format;
   if (!args.topics.empty() || io::is_bag(args.input)) return "bag";
   return args.site.empty() ? "carmen" : "counters";
 }
 
-/// ", 12 of ignored beacons"; nothing where there are none.
+/// ", 12 of ignored beacons", or an empty text if there are none.
 std::string ignored_words(std::size_t rows) {
   return rows > 0 ? fmt::format(", {} of ignored beacons", rows) : "";
 }
 
-/// Writes the files of a run into its folder, which is made. What was recorded into it before, and stays
-/// there, is read as a part of what is written now.
+/// Writes the files of a run into a new or existing folder. Warns about existing files of a run, which will
+/// be read as part of it.
 void write_run_files(const std::string& folder, const std::vector<io::FileContent>& files, Session& session) {
   std::error_code made;
   std::filesystem::create_directories(folder, made);
@@ -95,7 +95,7 @@ void write_run_files(const std::string& folder, const std::vector<io::FileConten
                   folder, fmt::join(rest, ", "), rest.size() == 1 ? "is" : "are"));
 }
 
-/// Any table, by --columns or, where its header has the names of tof.csv, by these.
+/// Converts any table by --columns, or by its header if that uses the names of tof.csv.
 int convert_by_columns(const ConvertArgs& args, const std::optional<io::TableMapping>& own,
                        Session& session) {
   const bool is_file = !own && args.columns.find('=') == std::string::npos;
@@ -119,7 +119,7 @@ int convert_by_columns(const ConvertArgs& args, const std::optional<io::TableMap
                          {"not_heard", table.not_heard}});
 }
 
-/// What names come with: the log's own, no site file.
+/// Completes an import with the names found in the log; there is no site file yet.
 int finish_import(const ConvertArgs& args, io::ImportedLog log, const std::vector<io::FileContent>& others,
                   const std::string& format, Session& session) {
   auto files = need(io::run_files(log, args.output, args.speed_mps));
@@ -140,7 +140,7 @@ int finish_import(const ConvertArgs& args, io::ImportedLog log, const std::vecto
                          {"not_heard", log.not_heard}});
 }
 
-/// A bag, by --topics or by what its topics look like.
+/// Converts a bag, by --topics or by the types of its topics.
 int convert_bag(const ConvertArgs& args, Session& session) {
   const bool is_file = !args.topics.empty() && args.topics.find('=') == std::string::npos;
   check_no_overwriting({.inputs = {args.input, is_file ? args.topics : ""},
@@ -156,7 +156,7 @@ int convert_bag(const ConvertArgs& args, Session& session) {
   return finish_import(args, std::move(log), others, "bag", session);
 }
 
-/// The log of a maker's kit.
+/// Converts the log of a vendor's kit.
 int convert_vendor(const ConvertArgs& args, const std::string& format, Session& session) {
   check_no_overwriting({.inputs = {args.input}, .run_outputs = {args.output}});
   const io::VendorLogOptions options{.ignore = args.ignore, .period_s = args.period_s};
@@ -216,7 +216,7 @@ int run(const ConvertArgs& args, Session& session) {
 
 }  // namespace
 
-/// Of tables, bags and kits.
+/// Options for tables, bags and kits.
 void add_mapping_options(CLI::App& command, ConvertArgs& args) {
   add_option(command, "--columns", args.columns, "MAPPING",
              "Any table: which of its columns is what, as "
@@ -278,7 +278,7 @@ void add_convert(CLI::App& app, CommonOptions& common, Action& action) {
       "CARMEN log; ROS 2 bag (.mcap, .db3, or its folder); a kit's log; counter log (time_s, "
       "beacon, counts; epoch, receiver); pulse log (time_s, channel, duration_s, amplitude_v)");
   add_required_option(*command, "-o,--output", args->output, "RUN", "Run folder to write");
-  // Set behind it: which the default is, the words say.
+  // Set afterwards, because the description names the default.
   add_option(*command, "--format", args->format, "FORMAT",
              "auto, bag, carmen, counters, pulses, marvelmind (the dashboard's CSV), crazyflie (the "
              "client's CSV of two-way ranging) or dwm1001 (les or lec lines); auto: bag where it is one, "

@@ -27,7 +27,7 @@ struct ExportArgs {
   double north_deg = 90.0;
 };
 
-/// What a run is read with: names, clock, and the speed of a medium where it is constant.
+/// Context for reading a run: names, clock, and the speed of a medium with constant speed.
 struct RunContext {
   NameTable names;
   Timing timing;
@@ -65,7 +65,7 @@ void add_site(const std::string& path, io::ExportedContent& content, std::option
   context = RunContext{names_of(site), site.timing, constant_speed_mps(site.medium)};
 }
 
-/// Names from the run itself, where neither site nor deployment tells them.
+/// Names from the run itself, if neither site nor deployment is given.
 RunContext context_of_run(const std::string& folder) {
   const io::RunIds ids = need(io::read_run_ids(folder));
   RunContext context;
@@ -103,7 +103,7 @@ std::string to_tum(const io::ExportedContent& content) {
       poses.insert(poses.end(), track.begin(), track.end());
     }
   std::ranges::stable_sort(poses, {}, &TimedPose::time_s);
-  // TUM has one pose an instant.
+  // TUM files have one pose for each time.
   poses.erase(std::unique(poses.begin(), poses.end(),
                           [](const TimedPose& a, const TimedPose& b) { return a.time_s == b.time_s; }),
               poses.end());

@@ -8,14 +8,14 @@
 namespace octant::app {
 namespace {
 
-/// A text within single quotes of a shell.
+/// Quotes a text in single quotes for a shell.
 std::string in_shell_quotes(std::string_view text) {
   std::string out = "'";
   for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return out + "'";
 }
 
-/// Words that may follow a command: its options and the commands below it.
+/// Words that may follow a command: its options and subcommands.
 std::string words_after(const CLI::App& command) {
   std::vector<std::string> words = command_names(command);
   const auto options = option_names(command);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// glossary.json is the one place where the words of the outputs are explained: octant explain, the guide's
-// page of words, the man page.
+// glossary.json is the only source of explanations of the program's terms: for octant explain, the guide's
+// glossary and the man page.
 #include "apps/octant/help/glossary.h"
 
 #include <algorithm>
@@ -62,7 +62,7 @@ const std::vector<GlossaryTerm>& glossary() {
 
 namespace {
 
-/// Whether a test holds of a term's name or of one of its other spellings.
+/// Returns true if a test holds for a term's name or one of its synonyms.
 template <class Test>
 bool any_spelling(const GlossaryTerm& term, const Test& holds) {
   if (holds(std::string_view(term.name))) return true;
@@ -74,7 +74,7 @@ bool any_spelling(const GlossaryTerm& term, const Test& holds) {
   return false;
 }
 
-/// Lower case, blanks for all but letters, digits and what stands between columns.
+/// Lower case; everything except letters, digits and column separators becomes a blank.
 std::string only_words(std::string_view text) {
   std::string out = " ";
   for (const char c : text) {
@@ -86,7 +86,7 @@ std::string only_words(std::string_view text) {
 }
 
 bool has_spelling(const std::string& words, std::string_view spelling) {
-  constexpr std::size_t kShort = 2;  // letters of a spelling that is a word of its own in a heading alone
+  constexpr std::size_t kShort = 2;  // synonyms of up to this many letters count only in headings
   std::string wanted = only_words(spelling);
   if (wanted.size() <= 2) return false;
   if (wanted.size() - 2 <= kShort) wanted = "|" + wanted;

@@ -10,30 +10,29 @@ namespace octant::app {
 
 enum class GlossaryKind { kTerm, kGrade, kReason, kExit };
 
-/// A word of the program's outputs, in a paragraph.
+/// A term used in the program's outputs, with its explanation.
 struct GlossaryTerm {
   GlossaryKind kind = GlossaryKind::kTerm;
   std::string name;
-  std::string others;  ///< spellings that mean the same, comma between them
+  std::string others;  ///< synonyms, separated by commas
   std::string text;
 };
 
-/// Text of glossary.json, which octant_embed() puts into the program.
+/// Text of glossary.json, embedded by octant_embed().
 [[nodiscard]] std::string_view glossary_data();
 
-/// All of them: terms, grades of a verdict, reasons why an arrival is left out, exit codes. By kind, then
-/// name.
+/// All terms: vocabulary, grades of a verdict, reasons for rejected arrivals, exit codes. Ordered by kind,
+/// then name.
 [[nodiscard]] const std::vector<GlossaryTerm>& glossary();
 
-/// The term of this name or spelling, whatever its case; "exit 5" and "5" are the same. Null if there is
-/// none.
+/// Finds a term by name or synonym, ignoring case; "exit 5" and "5" are equivalent. Null if there is none.
 [[nodiscard]] const GlossaryTerm* find_term(std::string_view word);
 
-/// Terms that a text has, or one of their spellings, as words of their own, in the glossary's order;
-/// spellings of one or two letters count as the heading of a column alone ("| r |").
+/// Terms that occur in a text as separate words, in the order of the glossary. Synonyms of one or two letters
+/// count only as the heading of a column ("| r |").
 [[nodiscard]] std::vector<const GlossaryTerm*> terms_used(std::string_view text);
 
-/// As a page of Markdown.
+/// The glossary as a page of Markdown.
 [[nodiscard]] std::string glossary_page();
 
 }  // namespace octant::app

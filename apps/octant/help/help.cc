@@ -15,9 +15,9 @@
 namespace octant::app {
 namespace {
 
-constexpr std::size_t kNames = 28;  // columns of the names of options
+constexpr std::size_t kNames = 28;  // columns for the names of options
 
-/// CLI11's help within 80 columns, a command's own options first.
+/// Formats CLI11's help within 80 columns, with a command's own options first.
 class HelpFormat : public CLI::Formatter {
  public:
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
@@ -39,8 +39,7 @@ class HelpFormat : public CLI::Formatter {
     return text;
   }
   std::string make_option(const CLI::Option* option, bool positional) const override {
-    // The type's name alone: what CLI11 appends to it (INT in [0 - 1024], {a,b,c}) is a programmer's
-    // spelling.
+    // Name of the type only. CLI11 appends technical details (INT in [0 - 1024], {a,b,c}).
     const std::string type = option->get_type_name();
     const std::size_t colon = type.find(':');
     std::string name = make_option_name(option, positional);
@@ -57,7 +56,7 @@ class HelpFormat : public CLI::Formatter {
   std::string make_subcommand(const CLI::App* command) const override {
     return row(command->get_display_name(true), command->get_description());
   }
-  /// Examples: lines that are too long go on in the next, as a shell takes them.
+  /// Examples: long lines are continued with a backslash, as in a shell.
   std::string make_footer(const CLI::App* app) const override {
     std::string text;
     std::istringstream lines(app->get_footer());
@@ -66,7 +65,7 @@ class HelpFormat : public CLI::Formatter {
         text += line + "\n";
         continue;
       }
-      if (!line.starts_with("  ")) {  // words, not a command
+      if (!line.starts_with("  ")) {  // text, not a command
         text += paragraph(line);
         continue;
       }
@@ -87,7 +86,7 @@ class HelpFormat : public CLI::Formatter {
   }
 
  private:
-  /// The choices of an option, "a,b,c}", where its description names none of them.
+  /// Choices of an option, "a,b,c}", unless its description names them.
   static std::string choices_untold(std::string choices, const std::string& what) {
     choices.resize(std::min(choices.find('}'), choices.size()));
     if (what.find(choices.substr(0, choices.find(','))) != std::string::npos) return "";

@@ -23,7 +23,7 @@ int init(const InitArgs& args, Session& session) {
   if (args.output == "-" && session.options.json)
     fail_usage("only one of -o - and --json can have standard output", "name a file by -o SITE.yaml");
   check_no_overwriting({.inputs = {args.run}, .outputs = {args.output}});
-  // It is to be filled in by hand, and so worth more than a template.
+  // The file is filled in by hand, so an existing one is never overwritten.
   if (args.output != "-" && std::filesystem::exists(args.output))
     fail_usage(fmt::format("'{}' is there already", args.output), "name another file, or remove it first");
   io::RunIds ids{.beacons = {"B0", "B1", "B2", "B3"}, .vehicles = {{"robot", {"r0"}}}};

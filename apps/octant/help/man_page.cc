@@ -8,7 +8,7 @@
 namespace octant::app {
 namespace {
 
-/// Text as man's macros (groff_man(7)) take it.
+/// Escapes text for man macros (groff_man(7)).
 std::string roff(std::string_view text) {
   std::string out;
   bool line_begins = true;
@@ -26,7 +26,7 @@ std::string roff(std::string_view text) {
 }
 
 std::string man_option(const CLI::Option& option) {
-  // Without what CLI11 appends to a type's name: INT in [0 - 1024].
+  // Removes the details that CLI11 appends to a type's name: INT in [0 - 1024].
   const std::string whole_type = option.get_type_name(), type = whole_type.substr(0, whole_type.find(':'));
   std::string name = option.get_positional() ? type : option.get_name();
   if (!option.get_positional() && option.get_type_size() > 0 && !type.empty()) name += " " + type;

@@ -86,7 +86,7 @@ tolerance:
 # validity: {{months: 12}}         # and, or instead, beacon_drift_m_per_month: 0.001
 )";
 
-/// Receivers in a ring, for want of better: where they are has to be measured.
+/// Receivers on a ring as a placeholder: their positions have to be measured.
 std::string receivers_text(const std::vector<std::string>& named) {
   const std::vector<std::string> receivers = named.empty() ? std::vector<std::string>{"r0"} : named;
   const double radius_m = receivers.size() > 1 ? 0.1 : 0.0;

@@ -8,10 +8,10 @@
 
 namespace octant::app {
 
-/// What the typical values of a site file are for.
+/// Kinds of systems with typical values for a site file.
 enum class SiteKind { kUltrasound, kUwb, kUnderwater };
 
-/// A site file to fill in: each key with what it is, in words; valid as it is. @param name  of the site
+/// A commented site file for the user to fill in, valid as it is. @param name  name of the site
 [[nodiscard]] std::string site_template(SiteKind kind, const std::string& name, const io::RunIds& ids);
 
 }  // namespace octant::app

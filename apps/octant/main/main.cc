@@ -23,7 +23,7 @@
 namespace octant::app {
 namespace {
 
-/// Among the words even where the others are wrong: whoever reads JSON wants his failure in it too.
+/// Looks for --json even if other words are invalid, because a failure is then reported as JSON as well.
 bool wants_json(int argc, const char* const* argv) {
   for (int i = 1; i < argc; ++i) {
     if (std::string_view(argv[i]) == "--") return false;
@@ -32,7 +32,7 @@ bool wants_json(int argc, const char* const* argv) {
   return false;
 }
 
-/// Help and version are no failures; all other faults of the words are exit 2, whatever CLI11 numbers them.
+/// Help and version count as success; all other parse errors are exit 2, whatever CLI11 numbers them.
 int end_of_parsing(const CLI::App& app, const CLI::ParseError& error, Session& session) {
   const auto chosen = app.get_subcommands();
   const CLI::App* innermost = &app;
@@ -59,7 +59,7 @@ int end_of_parsing(const CLI::App& app, const CLI::ParseError& error, Session& s
         "{0} is a folder, so a recording, and the site file before it is missing (octant init {0} -o "
         "site.yaml begins one)",
         site->as<std::string>());
-  // CLI11 writes the largest double out.
+  // CLI11 prints the largest double as an upper bound.
   constexpr std::string_view kNotInRange = " not in range ";
   if (const auto at = message.find(kNotInRange);
       at != std::string::npos && message.find(" to 17976931348623157", at) != std::string::npos)
@@ -85,7 +85,7 @@ int end_of_parsing(const CLI::App& app, const CLI::ParseError& error, Session& s
 }
 
 int run(int argc, const char* const* argv, Session& session) {
-  // Only what is shared among ranks is worked on by all of them.
+  // Ranks other than the first take part only in commands that share work.
   const std::string_view first_word = argc > 1 ? argv[1] : "";
   if (!session.job->is_first() && first_word != "calibrate" && first_word != "batch") return kDone;
   session.command_line = quote_command(argc, argv);
@@ -156,7 +156,7 @@ int run_guarded(int argc, char** argv, octant::app::Session& session) {
     return session.fail({"error", "internal", octant::app::kFault, "out of memory",
                          "use a machine with more, or fewer arrivals"});
   } catch (const std::system_error& error) {
-    // Threads that cannot be started are memory that is not there; anything else is a fault.
+    // If threads cannot be created, memory is exhausted; any other error is a bug.
     const bool out = error.code() == std::errc::resource_unavailable_try_again ||
                      error.code() == std::errc::not_enough_memory;
     return session.fail(
@@ -175,8 +175,8 @@ int run_guarded(int argc, char** argv, octant::app::Session& session) {
 
 int main(int argc, char** argv) {
 #ifdef __GLIBC__
-  // Lists of millions of rows come and go. Memory that goes back to the system has to be cleared before it
-  // can be used again, which on a virtual machine costs more than filling it.
+  // Lists of millions of rows are allocated and freed repeatedly. Memory returned to the system must be
+  // zeroed before its next use, which costs more than filling it on a virtual machine.
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
 #endif

@@ -11,20 +11,20 @@
 
 namespace octant::app {
 
-/// --method and what some methods take beside deployment and run.
+/// --method, and further inputs of some methods.
 struct MethodArgs {
   Method method = Method::kAuto;
-  std::string map;  ///< a run with scans and measured poses, for a line map; empty: none
+  std::string map;  ///< run with scans and measured poses for a line map; empty: none
   KleemanHeading heading = KleemanHeading::kInterpolation;
 };
 [[nodiscard]] MethodInput method_input(const MethodArgs& args, const Deployment& deployment);
 
-/// A line map starts from the run's first measured pose; no other method looks at poses.tum.
+/// A line map starts at the run's first measured pose; other methods do not use poses.tum.
 [[nodiscard]] inline bool looks_at_poses(const MethodArgs& args) {
   return args.method == Method::kLineMap || !args.map.empty();
 }
 
-/// --method and what some of them take, of the commands that localize.
+/// Adds --method and the options of some methods to a command that localizes.
 void add_method_options(CLI::App& command, MethodArgs& args);
 
 }  // namespace octant::app

@@ -13,30 +13,30 @@
 #include "survey/report/report.h"
 #include "survey/report/report_geometry.h"
 
-// Reports as all commands write them: the same words, the same files.
+// Reports of all commands, with the same texts and files.
 namespace octant::app {
 
-/// What the user says of reports.
+/// Report options of a command.
 struct ReportArgs {
   std::vector<std::string>
-      paths;           ///< .html, .md, or .json to make others from later; - is a page on standard output
-  std::string since;   ///< an earlier deployment, to say what changed
+      paths;          ///< .html, .md, or .json as a source for the others; - writes a page to standard output
+  std::string since;  ///< earlier deployment to compare with
   bool still = false;  ///< without the interactive layer
   bool none = false;
 };
-/// --report, --report-static, --no-report and, where a deployment is judged, --since.
+/// --report, --report-static, --no-report and, for commands that judge a deployment, --since.
 void add_report_options(CLI::App& command, ReportArgs& args, bool with_since);
 
-/// The outputs of a command: `first`, then its reports.
+/// Outputs of a command: `first`, then its reports.
 [[nodiscard]] std::vector<OutputOption> report_outputs(const ReportArgs& args,
                                                        std::vector<OutputOption> first = {});
-/// Before the long computation: endings that are understood, folders that exist, an earlier deployment that
-/// can be read.
+/// Checks the options before the long computation: known file types, existing folders, and a readable earlier
+/// deployment.
 void check_report(const ReportArgs& args);
 
-/// What a calibration says, converged or refused.
+/// Report of a calibration, successful or refused.
 [[nodiscard]] survey::ReportInput report_input(const Calibration& calibration, const Session& session);
-/// What a deployment alone says.
+/// Report of a deployment alone.
 [[nodiscard]] survey::ReportInput report_input(const Deployment& deployment, const Session& session);
 /// Adds fixes and their evaluation.
 void add_verification(survey::ReportInput& input, const Localization& localization,
@@ -44,30 +44,31 @@ void add_verification(survey::ReportInput& input, const Localization& localizati
 /// Adds the changes since an earlier deployment, if one is given.
 void add_changes(survey::ReportInput& input, const std::string& since);
 
-/// The report of a calibration with all that the user asked for; of a refused one too.
+/// Report of a calibration with everything that was asked for, even if it was refused.
 [[nodiscard]] survey::ReportInput calibration_report(const Calibration& calibration, const ReportArgs& args,
                                                      const Session& session);
-/// Deployment (where there is one) and reports, all or none.
+/// Writes deployment (if there is one) and reports, all or none.
 void write_calibration(const std::string& output, const ReportArgs& args, const Calibration& calibration,
                        const survey::ReportInput& input);
 
-/// The files of a report, not yet written: so that a command can write them together with its other outputs.
+/// Files of a report for a command that writes them together with its other outputs.
 [[nodiscard]] std::vector<io::FileContent> report_files(const ReportArgs& args,
                                                         const survey::ReportInput& input);
-/// "report           R.html", a line each, for people.
+/// One line for each report, for people: "report           R.html".
 [[nodiscard]] std::string report_lines(const ReportArgs& args);
 
-/// Adds what was heard and left out at each stop and on each stretch of a drive: on the map, and residuals by
-/// stop. Of very many those where most was left out, or whose residuals are largest.
+/// Adds the received and rejected arrivals of each stop and each part of a drive: to the map, and as
+/// residuals by stop. With very many stops only those with most rejections or the largest residuals.
 void add_stops(const Calibration& calibration, survey::ReportInput& input);
-/// Adds the words of the glossary that the report uses.
+/// Adds the glossary terms that the report uses.
 void add_words(survey::ReportInput& input);
-/// Beacons against where the site file has them, farthest first; control points are where it has them.
+/// Deviations of beacons from their positions in the site file, largest first. Control points are at their
+/// given positions.
 [[nodiscard]] std::vector<survey::MovedNote> moved_from_site(const Calibration& calibration);
-/// A calibration that was exported in the dozen lines that everybody reads, the verdict first.
+/// Summary of an exported calibration in about a dozen lines, beginning with the verdict.
 [[nodiscard]] std::string calibration_summary(const Calibration& calibration,
                                               const survey::ReportInput& input);
-/// Verdict and next steps for people, in the words of the report.
+/// Verdict and next steps in the words of the report.
 [[nodiscard]] std::string verdict_text(const survey::ReportInput& input);
 [[nodiscard]] Json verdict_json(const survey::ReportInput& input);
 

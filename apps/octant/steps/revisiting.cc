@@ -20,7 +20,7 @@
 namespace octant::app {
 namespace {
 
-/// The test of a beacon's or receiver's own change that chance explains least.
+/// The most significant test of a change of one beacon or receiver.
 struct LeastLikely {
   double p = 1.0;
   std::string what;

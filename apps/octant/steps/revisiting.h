@@ -12,7 +12,7 @@
 #include "calib/revisit/revisit.h"
 #include "models/deployment.h"
 
-// What recalibrate and monitor share: both ask a second visit what changed.
+// Common part of recalibrate and monitor, which both find changes from a second visit.
 namespace octant::app {
 
 /// --drift-...: standard deviations since the earlier calibration, in the place of those of the site and the
@@ -24,27 +24,27 @@ void add_drift_options(CLI::App& command, DriftArgs& args);
 /// @param now  ISO 8601
 [[nodiscard]] Drift stated_drift(const Deployment& before, const std::string& now, const DriftArgs& args);
 
-/// A visit and what it was held against.
+/// A second visit and the deployment that it was compared with.
 struct SecondVisitFiles {
   Deployment before;
   std::vector<InputDigest> inputs;
-  Json head;  ///< what `octant history` wants to know of the result
+  Json head;  ///< information for `octant history`
   calib::Revisit revisit;
 };
-/// Reads both and asks; progress and warnings go to the session. Failures of reading; numerical trouble is in
-/// the revisit.
+/// Reads both and runs the comparison; progress and warnings go to the session. Fails on read errors;
+/// numerical failures are part of the revisit.
 [[nodiscard]] SecondVisitFiles revisit_files(const std::string& deployment,
                                              const std::vector<std::string>& runs, const DriftArgs& drift,
                                              Session& session);
-/// Why nothing can be said of it; none where something can.
+/// Reason for which a revisit gives no result; no value if it does.
 [[nodiscard]] std::optional<Failure> failure_of(const calib::Revisit& revisit);
 
-/// What was found, of both commands: changes, what was heard of each beacon and receiver, how each was
-/// tested, the medium.
+/// Results of both commands: changes, received arrivals of each beacon and receiver, significance tests, and
+/// the medium.
 [[nodiscard]] Json revisit_json(const SecondVisitFiles& visit, const Session& session);
-/// The same for people.
+/// The results as text for people.
 [[nodiscard]] std::string revisit_text(const SecondVisitFiles& visit);
-/// Whether somebody has to do something: dirt and warmer air are none of that.
+/// Returns true if a change requires action. Dirt and warmer air do not.
 [[nodiscard]] bool needs_action(const Change& change, const calib::MediumFound& medium);
 
 }  // namespace octant::app

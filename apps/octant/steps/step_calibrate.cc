@@ -63,7 +63,7 @@ calib::Provenance provenance(const std::string& site_path, const std::string& si
   return from;
 }
 
-/// Calls solve(options) with progress shown.
+/// Calls solve(options) and shows progress.
 template <class Solve>
 auto with_progress(bool strict, Session& session, Solve&& solve) {
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
@@ -73,7 +73,7 @@ auto with_progress(bool strict, Session& session, Solve&& solve) {
   return solve(options);
 }
 
-/// Recordings that are to be streamed; none where they fit into memory.
+/// Source of recordings that have to be streamed; null if they fit into memory.
 std::unique_ptr<StreamSource> too_long(const Site& site, const std::vector<std::string>& runs,
                                        std::size_t memory_mb, Session& session) {
   constexpr std::size_t kMega = std::size_t{1} << 20;
@@ -98,7 +98,7 @@ void warn_of_hints(const std::vector<calib::Finding>& findings, Session& session
   for (const auto& f : findings) session.warn(f.text);
 }
 
-/// All of the recordings at once.
+/// Reads all recordings into memory.
 void read_problem(Site site, const std::vector<std::string>& run_paths, const std::string& site_sha256,
                   Session& session, Calibration& result) {
   const ExitAtOnce nothing_written_yet;
@@ -120,7 +120,7 @@ std::string beacon_table(const Deployment& deployment) {
   }
   const Unit length = length_unit(largest_sigma_m), time = time_unit(largest_delay_s);
   const bool delays =
-      largest_delay_s > 0.0;  // else none is asked for, and columns of zeros would only distract
+      largest_delay_s > 0.0;  // otherwise no delay is estimated, and the columns would contain zeros
   Table table{delays ? "lrrrrrrrrl" : "lrrrrrrl",
               {{"beacon", "x [m]", "y [m]", "z [m]", fmt::format("sx [{}]", length.name), "sy", "sz"}}};
   if (delays) table.rows[0].insert(table.rows[0].end(), {"delay", fmt::format("s [{}]", time.name)});
@@ -234,7 +234,7 @@ void warn_if_contradicted(const Deployment& deployment, const std::string& path,
 
 namespace {
 
-/// Counts of one kind of observation that was left out: by reason, by what it heard or saw.
+/// Counts of rejected observations of one kind, by reason and by beacon.
 class LeftOutCounts {
  public:
   void add(const std::string& reason, std::size_t count = 1) {
@@ -266,7 +266,7 @@ Json arrivals_left_out(const Calibration& calibration) {
     for (std::size_t b = 0; b < whole->of_beacon.size(); ++b) {
       const auto& of_beacon = whole->of_beacon[b];
       const std::size_t out =
-          std::accumulate(of_beacon.begin() + 1, of_beacon.end(), std::size_t{0});  // all but kUsed
+          std::accumulate(of_beacon.begin() + 1, of_beacon.end(), std::size_t{0});  // all except kUsed
       if (out > 0) counts.add_of(beacons[b].name, out);
     }
   }

@@ -14,10 +14,11 @@
 namespace octant::app {
 namespace {
 
-constexpr double kOnePose_s = 0.005;  ///< rows without an epoch that are further apart are of two poses
+constexpr double kOnePose_s =
+    0.005;  ///< rows without an epoch that are farther apart belong to different poses
 constexpr double kLongStop_s = 30.0;
 
-/// Whether, in most poses of rows without epochs, one beacon is heard and no more.
+/// Returns true if most poses of rows without epochs have arrivals of one beacon only.
 bool one_beacon_at_a_time(const std::vector<Arrival>& arrivals) {
   std::size_t poses = 0, lonely = 0;
   for (std::size_t i = 0; i < arrivals.size();) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Whose arrivals fixes of stops do without: a beacon that lost most of its own has changed, or is hidden.
+// Rejected arrivals by beacon: a beacon that lost most of its arrivals has changed, or is hidden.
 #include <utility>
 
 #include <fmt/format.h>
@@ -35,7 +35,7 @@ std::vector<LeftOutOfBeacon> left_out_by_beacon(const Deployment& deployment,
 }
 
 std::string left_out_text(const std::vector<LeftOutOfBeacon>& beacons) {
-  constexpr std::size_t kSome = 4;  // fewer may be an echo or two
+  constexpr std::size_t kSome = 4;  // fewer rejections may be a few echoes
   std::string who;
   for (const LeftOutOfBeacon& b : beacons)
     if (b.left_out >= kSome && 2 * b.left_out > b.heard)

@@ -21,7 +21,7 @@ namespace octant::app {
 
 Result<Deployment> read_trusted_deployment(const std::string& path, const std::string& trusted_key) {
   if (trusted_key.empty()) return io::read_deployment(path);
-  // Read once: what was checked is what is used.
+  // Reads the file only once, so that the verified content is the content in use.
   const auto text = io::read_document(path);
   if (!text) return fail(text.error());
   if (auto genuine = io::check_signature(*text, path, trusted_key); !genuine) return fail(genuine.error());
@@ -55,7 +55,7 @@ std::vector<MeasurementLog> read_runs(const std::vector<std::string>& folders, c
 }
 
 void Localization::add_run(std::vector<Fix> fixes_of_run) {
-  if (fixes.empty()) {  // of a single long drive they are most of what memory holds
+  if (fixes.empty()) {  // for a single long drive they need most of the memory
     fixes = std::move(fixes_of_run);
   } else {
     fixes.insert(fixes.end(), std::make_move_iterator(fixes_of_run.begin()),

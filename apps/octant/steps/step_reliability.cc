@@ -61,7 +61,7 @@ Json groups_json(const std::vector<ResidualGroup>& groups, const char* from, con
   return list;
 }
 
-/// Where a row stands and what it connects: "hall/run, tof.csv:41".
+/// Origin of an arrival and its beacon and receiver: "hall/run, tof.csv:41".
 struct ArrivalOrigin {
   std::string run, beacon, receiver;
   int line = 0;
@@ -74,7 +74,7 @@ ArrivalOrigin origin_of(const calib::ArrivalReliability& a, const calib::Problem
 
 double or_zero(const std::optional<double>& value) { return value.value_or(0.0); }
 
-/// The largest of one number of all beacons, to choose the column's unit by.
+/// Largest value of a quantity over all beacons, which determines the unit of its column.
 template <class Get>
 double largest(const Reliability& r, Get&& get) {
   double value = 0.0;
@@ -86,7 +86,7 @@ std::string cell(const std::optional<double>& value, double per_si, int digits) 
   return value && std::isfinite(*value) ? fmt::format("{:.{}f}", per_si * *value, digits) : "-";
 }
 
-/// How well its arrivals agree.
+/// Table of the residuals of each beacon.
 std::string agreement_table(const Reliability& r, const Unit& time) {
   Table table{
       "lrrrrrrr",
@@ -104,7 +104,7 @@ std::string agreement_table(const Reliability& r, const Unit& time) {
   return table.text();
 }
 
-/// What an error that nobody notices would do to it, and its error ellipse.
+/// Table of the effect of an undetected error on each beacon, and its error ellipse.
 std::string detection_table(const Reliability& r, const Unit& time) {
   const Unit late = time_unit(largest(r, [](const auto& b) { return or_zero(b.lateness_mdb_s); }));
   const Unit shift = length_unit(largest(r, [](const auto& b) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// From what a calibration found to the plain values of a report.
+// Converts the results of a calibration into the plain values of a report.
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +14,7 @@
 namespace octant::app {
 namespace {
 
-/// Standardised residuals are counted from -6 to 6.
+/// Range and bin width of the histogram of standardised residuals.
 constexpr double kFarthest_sigmas = 6.0, kBin_sigmas = 0.25;
 
 double finite(double value) { return std::isfinite(value) ? value : 0.0; }
@@ -68,7 +68,7 @@ void add_beacon_notes(const calib::Reliability& r, survey::ReportInput& input) {
   }
 }
 
-/// What is known of a site that was refused: places that the data do tell, the others undetermined.
+/// Partial result for a site that was refused: beacons that the data determine, with the others undetermined.
 Deployment partial_deployment(const Calibration& c) {
   const calib::Solution& s = c.solution;
   const Site& site = c.problem.site;
@@ -92,7 +92,7 @@ Deployment partial_deployment(const Calibration& c) {
     }
   }
   for (auto& b : d.beacons) {
-    // Known no better than the site is large is not known.
+    // A beacon with an uncertainty as large as the site is unknown.
     const bool known = b.position_m.allFinite() && b.covariance_m2.allFinite() &&
                        b.covariance_m2.trace() < std::pow(c.problem.typical_range_m, 2) &&
                        std::isfinite(b.delay_s) && std::isfinite(b.delay_sigma_s);

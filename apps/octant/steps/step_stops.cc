@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What was heard where: stops, and stretches of drives, for the report.
+// Received arrivals at stops, and along parts of drives, for the report.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -15,11 +15,11 @@ namespace octant::app {
 namespace {
 
 constexpr std::size_t kMostStops = 1000, kMostMisses = 2000;
-constexpr std::size_t kStretches = 60;  // of a drive
+constexpr std::size_t kStretches = 60;  // number of parts of a drive
 
 using RowKey = std::pair<std::size_t, std::size_t>;  // run, arrival
 
-/// Nodes of a trajectory that are told together: each stop by itself, a drive in stretches.
+/// Number of nodes in one entry: one for stops, several for drives.
 std::size_t nodes_together(const Trajectory& t) {
   return t.moving ? std::max<std::size_t>(1, (t.nodes.size() + kStretches - 1) / kStretches) : 1;
 }
@@ -39,7 +39,7 @@ struct MissCount {
   std::size_t late = 0, early = 0, other = 0;
 };
 
-/// Counts and residuals of one trajectory's stops.
+/// Counts and residuals of the stops of one trajectory.
 class StopsOf {
  public:
   StopsOf(const Trajectory& t, const calib::Problem& problem, const std::map<RowKey, double>& residuals)
@@ -105,7 +105,7 @@ class StopsOf {
   std::vector<std::map<std::size_t, MissCount>> misses_;
 };
 
-/// Those that stick out, in their order.
+/// Keeps the most conspicuous stops, in their order.
 void keep_few(std::vector<survey::StopNote>& stops) {
   if (stops.size() <= kMostStops) return;
   std::vector<std::pair<std::size_t, double>> worth;
@@ -118,7 +118,7 @@ void keep_few(std::vector<survey::StopNote>& stops) {
   stops = std::move(few);
 }
 
-/// Residuals by stop, beside those by beacon.
+/// Adds residuals by stop to those by beacon.
 void add_stop_chart(survey::ReportInput& input) {
   survey::ResidualChart chart{"stop", "", {}};
   for (const survey::StopNote& stop : input.stops)

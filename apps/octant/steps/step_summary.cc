@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// A calibration in the lines that everybody reads; calibration_text() has the rest.
+// Short summary of a calibration; calibration_text() has all results.
 #include <algorithm>
 #include <cmath>
 
@@ -13,10 +13,10 @@ namespace octant::app {
 namespace {
 
 constexpr std::size_t kMovedShown = 5;
-constexpr double kBeyondChance = 1e-3;  // of the variance factor's test
-constexpr double kMuchMore = 1.2;       // variance factor from which the size of the noise is worth a word
+constexpr double kBeyondChance = 1e-3;  // significance level of the variance factor's test
+constexpr double kMuchMore = 1.2;       // variance factor above which the noise is mentioned
 
-/// What the residuals are against what the site file says of the noise.
+/// Comparison of the residuals with the noise in the site file.
 std::string residuals_in_words(const CalibrationStatistics& s) {
   const char* size =
       s.chi2_p > kBeyondChance || (s.variance_factor < kMuchMore && s.variance_factor > 1 / kMuchMore)
@@ -35,7 +35,7 @@ std::string arrivals_in_words(const Calibration& calibration) {
   return fmt::format("{} used, {} left out{}", s.arrivals, s.rejected, reasons);
 }
 
-/// How wrong the tape was: the beacons that were found farthest from where the site file has them.
+/// Beacons that deviate most from their positions in the site file.
 std::string moved_text(const std::vector<survey::MovedNote>& moved) {
   if (moved.empty()) return "";
   const Unit unit = length_unit(moved.front().distance_m);
@@ -95,7 +95,8 @@ std::string calibration_summary(const Calibration& calibration, const survey::Re
           named_line("arrivals", arrivals_in_words(calibration)) +
           named_line("residuals", residuals_in_words(d.statistics));
   for (const auto& weak : calibration.solution.weak)
-    if (weak.remedy.empty()) text += named_line("weak", weak.description);  // the others are next steps
+    if (weak.remedy.empty())
+      text += named_line("weak", weak.description);  // the others are listed as next steps
   for (const std::string& step : survey::next_steps(input)) text += named_line("next", step);
   return text;
 }

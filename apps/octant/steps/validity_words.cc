@@ -17,7 +17,7 @@ namespace octant::app {
 
 namespace {
 
-/// What was taken in place of a temperature.
+/// Describes the speed that was used without a valid temperature.
 std::string speed_words(const std::string& path, const RunSpeed& speed, bool no_temperature) {
   std::string text = path;
   text += no_temperature ? ": no temperature is stated" : ": by its arrivals the speed is not the model's";
@@ -29,7 +29,7 @@ std::string speed_words(const std::string& path, const RunSpeed& speed, bool no_
   return text + "; its sigma is part of the fixes'";
 }
 
-/// "17.0 to 23.5", or one figure where both are the same.
+/// "17.0 to 23.5", or one number if both are equal.
 std::string range_text(const std::array<double, 2>& range) {
   const std::string low = fmt::format("{:.1f}", range[0]), high = fmt::format("{:.1f}", range[1]);
   return low == high ? low : low + " to " + high;

@@ -12,23 +12,23 @@
 
 namespace octant::app {
 
-/// The list `changes`, {kind, subject, size, sigma, unit, p} each: what is held to be changed, not all that
-/// was compared. p is that of chance after multiple testing.
-/// "A7 stands 46.5 mm (sigma 6.8 mm) from where it was: x +44.0, y +15.0, z -2.0 mm".
+/// A significant change in words: "A7 stands 46.5 mm (sigma 6.8 mm) from where it was: x +44.0, y +15.0, z
+/// -2.0 mm". JSON lists changes as {kind, subject, size, sigma, unit, p}, without the insignificant ones; p
+/// is corrected for multiple testing.
 [[nodiscard]] std::string in_words(const Change& change);
 /// "B3 is silent: 412 arrivals were expected, and 0 received".
 [[nodiscard]] std::string in_words(const Silence& silence);
 /// What to do about it.
 [[nodiscard]] std::string remedy_of(const Change& change);
 
-/// "changed" and each of them with its p: lines of a result.
+/// Lines of a result: "changed", and each change with its p value.
 [[nodiscard]] std::string found_lines(const std::vector<Change>& found);
 
-/// Table of both deployments' beacons and what changed, for people.
+/// Table of the beacons of both deployments and the changes, for people.
 [[nodiscard]] std::string changes_text(const survey::Changes& changes);
-/// The same of a report; empty where no earlier deployment was given.
+/// The table for a report; empty without an earlier deployment.
 [[nodiscard]] std::string changes_text(const survey::ReportInput& input);
-/// The list `changes` of a report; absent (false) where no earlier deployment was given.
+/// Adds the list `changes` of a report; returns false without an earlier deployment.
 bool add_changes_json(const survey::ReportInput& input, Json& object);
 
 }  // namespace octant::app

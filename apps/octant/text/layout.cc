@@ -9,7 +9,7 @@
 namespace octant::app {
 
 std::size_t columns_of(std::string_view text) {
-  // Bytes that begin a character of UTF-8.
+  // Counts the bytes that begin a UTF-8 character.
   return static_cast<std::size_t>(
       std::ranges::count_if(text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
 }
@@ -17,7 +17,7 @@ std::size_t columns_of(std::string_view text) {
 std::string paragraph(std::string_view text, std::size_t columns, std::size_t indent, std::size_t used) {
   std::string out;
   std::size_t at = used;
-  bool fresh = true;  // nothing stands in this line yet
+  bool fresh = true;  // the current line is still empty
   while (!text.empty()) {
     const std::size_t end = std::min(text.find_first_of(" \n"), text.size());
     const std::string_view word = text.substr(0, end);

@@ -14,22 +14,22 @@
 
 namespace octant::app {
 
-inline constexpr std::size_t kTextColumns = 80;  ///< of a terminal that nobody has made wider
+inline constexpr std::size_t kTextColumns = 80;  ///< standard width of a terminal
 
-/// Text broken between words into lines of at most `columns`, each with its newline. Newlines of the text
-/// stay.
-/// @param indent  blanks before all lines but the first
-/// @param used    columns of the first line that hold something already
+/// Breaks text between words into lines of at most `columns`, each with a newline. Existing newlines are
+/// kept.
+/// @param indent  number of blanks before all lines except the first
+/// @param used    number of columns already used in the first line
 [[nodiscard]] std::string paragraph(std::string_view text, std::size_t columns = kTextColumns,
                                     std::size_t indent = 0, std::size_t used = 0);
 
-/// A line of a result: its name in 17 columns, then what it says, broken behind them.
+/// A line of a result: its name in 17 columns, then the text, indented to that column.
 [[nodiscard]] std::string named_line(std::string_view name, std::string_view what);
 
-/// Columns that a text takes on a terminal: characters, not bytes.
+/// Number of columns of a text on a terminal: characters, not bytes.
 [[nodiscard]] std::size_t columns_of(std::string_view text);
 
-/// text_of(item) of each, with the separator between them.
+/// Joins text_of(item) of each item with a separator.
 template <class Items, class TextOf>
 [[nodiscard]] std::string joined(const Items& items, std::string_view separator, const TextOf& text_of) {
   std::string all;
@@ -39,16 +39,16 @@ template <class Items, class TextOf>
   }
   return all;
 }
-/// "3 late, 2 early" of counts by reason.
+/// Counts by reason as text: "3 late, 2 early".
 template <class Reasons>
 [[nodiscard]] std::string counts_in_words(const Reasons& counts) {
   return joined(counts, ", ", [](const auto& c) { return fmt::format("{} {}", c.second, c.first); });
 }
 
-/// Columns of text for people.
+/// Table of text for people.
 struct Table {
-  std::string align;                           ///< a letter for each column: l or r
-  std::vector<std::vector<std::string>> rows;  ///< the first is the heading
+  std::string align;                           ///< one letter for each column: l or r
+  std::vector<std::vector<std::string>> rows;  ///< the first row is the heading
   [[nodiscard]] std::string text() const;
 };
 

@@ -76,14 +76,14 @@ void from_json(const json& j, NamedMap& map) {
   map.cell_m = j.at("cell_m");
   map.columns = j.at("columns");
   map.silent_beacon = j.at("silent_beacon");
-  if (j.contains("tolerance")) j.at("tolerance").get_to(map.tolerance);  // earlier ones had none
+  if (j.contains("tolerance")) j.at("tolerance").get_to(map.tolerance);  // missing in earlier files
   for (const auto& value : j.at("values"))
     map.values.push_back(value.is_null() ? std::numeric_limits<double>::quiet_NaN() : value.get<double>());
 }
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(BeaconLoss, beacon, covered_fraction, median, p95, map)
 
-/// All but the deployment, which has a format of its own: key(name, value) for each.
+/// All fields except the deployment, which has its own format: key(name, value) for each.
 template <class Input, class Key>
 void for_each_key(Input& r, const Key& key) {
   key("kind", r.kind), key("outcome", r.outcome), key("message", r.message);
@@ -102,7 +102,7 @@ void to_json(json& j, const ReportInput& r) {
 
 void from_json(const json& j, ReportInput& r) {
   for_each_key(r, [&j](const std::string& name, auto& value) {
-    const bool newer = name == "moved" || name == "stops" || name == "misses";  // earlier files have none
+    const bool newer = name == "moved" || name == "stops" || name == "misses";  // missing in earlier files
     if (!newer || j.contains(name)) j.at(name).get_to(value);
   });
 }

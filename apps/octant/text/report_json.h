@@ -9,12 +9,12 @@
 
 namespace octant::app {
 
-/// A report's content as a file, from which `octant report` makes any form of it: type "octant_report",
-/// version 1. It belongs to the version of the program that wrote it, unlike a deployment.
+/// Saves the content of a report, from which `octant report` makes other formats: type "octant_report",
+/// version 1. Unlike a deployment it can be read only by the version of the program that wrote it.
 [[nodiscard]] std::string report_to_json(const survey::ReportInput& input);
-/// Reads it back: read(write(x)) == x.
+/// Reads a saved report: read(write(x)) == x.
 [[nodiscard]] Result<survey::ReportInput> report_from_json(const std::string& text, const std::string& file);
-/// Whether a text calls itself a saved report.
+/// Returns true if a text declares itself as a saved report.
 [[nodiscard]] bool is_saved_report(const std::string& text);
 
 }  // namespace octant::app

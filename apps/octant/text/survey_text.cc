@@ -61,7 +61,7 @@ Json losses_json(const Survey& survey, const std::vector<Loss>& losses) {
   return list;
 }
 
-constexpr std::size_t kDrawnBins = 120;  ///< along the longer side of a map's drawing
+constexpr std::size_t kDrawnBins = 120;  ///< number of bins along the longer side of a map's drawing
 
 bool is_number(const FloorMap& map) { return map.name != "loss_one_beacon" && map.name != "mirror"; }
 
@@ -135,7 +135,7 @@ Json survey_json(const Survey& survey, const std::optional<survey::FloorSchedule
       {"k_covered_fraction", survey.k_covered_fraction},
       {"mirror_fraction", survey.mirror_fraction}};
   object["tolerance_m"] = survey.model.tolerance.fix_m;
-  object["reach_m"] = survey::reach_m(survey.model.hearing);  // null where nothing bounds it
+  object["reach_m"] = survey::reach_m(survey.model.hearing);  // null if it is unlimited
   object["absorption_np_per_m"] = survey.model.hearing.absorption_np_per_m;
   object["temperature_error_degC"] = survey.temperature_error_degC;
   for (const FloorMap& map : survey.maps)
