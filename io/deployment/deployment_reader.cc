@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <unordered_set>
 
 #include <fmt/format.h>
@@ -31,6 +32,20 @@ double number_or(const JsonValue& value, double fallback, NumberRange range = kA
   return optional_number(value, range).value_or(fallback);
 }
 
+void read_profile_levels(const JsonValue& json, Medium& medium) {
+  if (!json.present()) return;
+  std::vector<SpeedProfile::Level> levels;
+  for (const JsonValue& item : json.items()) {
+    const std::vector<double> level = item.numbers(2);
+    if (level.size() != 2 || !(level[1] > 0) || (!levels.empty() && !(level[0] > levels.back().height_m)))
+      return item.fail("a level out of order, or a speed that is not positive",
+                       "[height_m, speed_mps] from below upwards");
+    levels.push_back({level[0], level[1]});
+  }
+  if (levels.empty()) return json.fail("an empty list", "one level or more");
+  medium.profile = std::make_shared<const SpeedProfile>(std::move(levels));
+}
+
 void read_deployed_medium(const JsonValue& json, Deployment& d) {
   Medium& m = d.medium;
   m.model = json.at("model").choice(kMediumModels);
@@ -39,6 +54,7 @@ void read_deployed_medium(const JsonValue& json, Deployment& d) {
   m.pressure_pa = number_or(json.find("pressure_pa"), m.pressure_pa);
   const double calibrated_mps = json.at("speed_mps").number(kPositive);
   m.speed_mps = number_or(json.find("constant_speed_mps"), calibrated_mps);
+  read_profile_levels(json.find("profile"), m);
   // Other programs read speed_mps; this one derives it from the model and its offset.
   d.speed_offset_mps = number_or(json.find("offset_mps"), calibrated_mps - speed_mps(m));
   d.speed_sigma_mps = json.at("sigma_mps").number(kNotNegative);

@@ -20,14 +20,21 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json medium_json(const Deployment& d) {
-  return {{"model", std::string(to_string(d.medium.model))},
-          {"speed_mps", d.speed_mps(d.medium.temperature_degC)},
-          {"sigma_mps", d.speed_sigma_mps},
-          {"reference_temperature_degC", d.medium.temperature_degC},
-          {"relative_humidity", d.medium.relative_humidity},
-          {"pressure_pa", d.medium.pressure_pa},
-          {"constant_speed_mps", d.medium.speed_mps},
-          {"offset_mps", d.speed_offset_mps}};
+  Json json = {{"model", std::string(to_string(d.medium.model))},
+               {"speed_mps", d.speed_mps(d.medium.temperature_degC)},
+               {"sigma_mps", d.speed_sigma_mps},
+               {"reference_temperature_degC", d.medium.temperature_degC},
+               {"relative_humidity", d.medium.relative_humidity},
+               {"pressure_pa", d.medium.pressure_pa},
+               {"constant_speed_mps", d.medium.speed_mps},
+               {"offset_mps", d.speed_offset_mps}};
+  if (d.medium.profile) {
+    Json levels = Json::array();
+    for (const SpeedProfile::Level& level : d.medium.profile->levels())
+      levels.push_back({level.height_m, level.speed_mps});
+    json["profile"] = std::move(levels);
+  }
+  return json;
 }
 
 Json timing_json(const Timing& t) {

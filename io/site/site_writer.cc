@@ -53,6 +53,11 @@ void write_medium(const Site& site, SiteOut out) {
     fmt::format_to(out, "  speed_mps: {}\n", m.speed_mps);
   fmt::format_to(out, "  temperature_degC: {}\n", m.temperature_degC);
   fmt::format_to(out, "  relative_humidity: {}\n  pressure_pa: {}\n", m.relative_humidity, m.pressure_pa);
+  if (m.profile) {
+    fmt::format_to(out, "  profile:\n");
+    for (const SpeedProfile::Level& level : m.profile->levels())
+      fmt::format_to(out, "    - [{}, {}]\n", level.height_m, level.speed_mps);
+  }
   fmt::format_to(out, "  sigma_mps: {}\n  offset_per: {}\n", site.speed_sigma_mps,
                  site.speed_offset_per_run ? "run" : "site");
 }

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <system_error>
 
 #include <fmt/format.h>
 
+#include "io/site/profile_csv.h"
 #include "io/site/site_parts.h"
 #include "io/text/open_file.h"
 #include "io/yaml/yaml_reader.h"
@@ -16,6 +18,34 @@ namespace octant::io {
 namespace {
 
 constexpr std::size_t kHeadBytes = 65536;  // in which a deployment says that it is one
+
+/// `profile`: a table beside the site file, or the levels themselves as [height_m, speed_mps].
+void read_profile_block(YamlMap& map, Medium& medium, YamlLog& log) {
+  const YamlNode node = map.block("profile");
+  if (!node.is_defined() || log.error) return;
+  if (medium.model != MediumModel::kConstant)
+    return map.fail("profile", "a profile beside a model of the air", "model: constant, or no profile");
+  if (!node.is_sequence()) {
+    const std::filesystem::path file = text_of(node, map.path("profile"), log);
+    if (log.error) return;
+    auto profile = read_profile((std::filesystem::path(log.file).parent_path() / file).string());
+    if (!profile) {
+      log.error = profile.error();
+      return;
+    }
+    medium.profile = std::make_shared<const SpeedProfile>(std::move(*profile));
+    return;
+  }
+  std::vector<SpeedProfile::Level> levels;
+  for (const Eigen::Vector2d& level : points_of<2>(node, map.path("profile"), log)) {
+    if (!(level[1] > 0) || (!levels.empty() && !(level[0] > levels.back().height_m)))
+      return map.fail("profile", fmt::format("a level [{}, {}]", exact(level[0]), exact(level[1])),
+                      "levels [height_m, speed_mps] from below upwards, speeds above zero");
+    levels.push_back({level[0], level[1]});
+  }
+  if (!log.error && levels.empty()) map.fail("profile", "an empty list", "one level or more");
+  if (!log.error) medium.profile = std::make_shared<const SpeedProfile>(std::move(levels));
+}
 
 void read_medium(const YamlNode& node, Site& site, YamlLog& log) {
   YamlMap map(node, "medium", log);
@@ -40,10 +70,15 @@ void read_medium(const YamlNode& node, Site& site, YamlLog& log) {
   medium.temperature_degC = map.number("temperature_degC", medium.temperature_degC, kCelsius);
   medium.relative_humidity = map.number("relative_humidity", medium.relative_humidity, kRelativeHumidity);
   medium.pressure_pa = map.number("pressure_pa", medium.pressure_pa, kPascals);
-  if (medium.model == MediumModel::kConstant && !map.has("speed_mps")) {
+  read_profile_block(map, medium, log);
+  if (medium.model == MediumModel::kConstant && !map.has("speed_mps") && !medium.profile) {
     map.fail_missing("speed_mps", "the speed in m/s (sound in air 343, in sea water 1500, radio 299792458)");
   }
-  medium.speed_mps = map.number("speed_mps", medium.speed_mps, kPositive);
+  const double usual_mps = medium.profile
+                               ? medium.profile->mean_speed_mps(medium.profile->levels().front().height_m,
+                                                                medium.profile->levels().back().height_m)
+                               : medium.speed_mps;
+  medium.speed_mps = map.number("speed_mps", usual_mps, kPositive);
   if (!map.has("sigma_mps"))
     log.warn(node, "medium.sigma_mps is not given; the speed is fixed (sigma_mps: 0)");
   site.speed_sigma_mps = map.number("sigma_mps", 0.0, kNotNegative);

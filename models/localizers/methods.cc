@@ -18,6 +18,7 @@
 #include "models/localizers/rail/rail.h"
 #include "models/localizers/reflectors/reflectors.h"
 #include "models/localizers/space/space_track.h"
+#include "models/trajectory/ray_speeds.h"
 
 namespace octant {
 namespace {
@@ -190,17 +191,35 @@ MethodChoice choose_method(const Deployment& deployment, const MeasurementLog& r
   return {Method::kLeastSquares, "all arrivals of each pose"};
 }
 
-Result<std::vector<Fix>> locate_run(Method method, const Deployment& deployment,
-                                    const MeasurementLog& all_rows, const MethodInput& input) {
-  MeasurementLog room;
-  const MeasurementLog& run = known_rows(all_rows, deployment, room);
-  if (method == Method::kAuto) method = choose_method(deployment, run, input).method;
-  if (auto fits = method_fits(method, deployment, run, input); !fits) return fail(fits.error());
+namespace {
+
+std::vector<Fix> locate_at_one_speed(Method method, const Deployment& deployment, const MeasurementLog& run,
+                                     const MethodInput& input) {
   if (method == Method::kTracker) return track(run, deployment, {.protect = true});
   if (method == Method::kLeastSquares) return LeastSquaresLocalizer(deployment).locate(run);
   if (method == Method::kLineMap) return LineMapLocalizer(*input.line_map).locate(run);
   return locate_by_poses(*make_localizer(method, deployment, input), deployment, run,
                          method == Method::kReflectors);
+}
+
+}  // namespace
+
+Result<std::vector<Fix>> locate_run(Method method, const Deployment& deployment,
+                                    const MeasurementLog& all_rows, const MethodInput& input) {
+  // Each round brings the fixes nearer by a factor of about a hundred (ray_speeds.h).
+  constexpr int kRayRounds = 2;
+  MeasurementLog room;
+  const MeasurementLog& run = known_rows(all_rows, deployment, room);
+  if (method == Method::kAuto) method = choose_method(deployment, run, input).method;
+  if (auto fits = method_fits(method, deployment, run, input); !fits) return fail(fits.error());
+  std::vector<Fix> fixes = locate_at_one_speed(method, deployment, run, input);
+  if (deployment.medium.profile == nullptr || run.arrivals.empty()) return fixes;
+  MeasurementLog changed = run;
+  for (int round = 0; round < kRayRounds; ++round) {
+    changed.arrivals = at_one_speed(run.arrivals, fixes, deployment);
+    fixes = locate_at_one_speed(method, deployment, changed, input);
+  }
+  return fixes;
 }
 
 }  // namespace octant

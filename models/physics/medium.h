@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string_view>
+
+#include "models/physics/speed_profile.h"
 
 namespace octant {
 
@@ -16,6 +19,8 @@ struct Medium {
   double temperature_degC = 20.0;  ///< reference temperature; a run or an arrival may state its own
   double relative_humidity = 0.5;  ///< 0..1, kCramer1993
   double pressure_pa = 101325.0;   ///< kCramer1993
+  /// Speed by height, kConstant only; each arrival then has the speed of its ray. Null: the same everywhere.
+  std::shared_ptr<const SpeedProfile> profile = nullptr;
 };
 
 /// Speed of propagation at a temperature. kConstant: speed_mps. kLinearTemperature: 331.3 + 0.606 T (Chang,
