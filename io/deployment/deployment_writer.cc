@@ -235,18 +235,6 @@ std::string text_of(Json json) {
 
 }  // namespace
 
-std::string digest_of(nlohmann::json json) {
-  json.erase("digest");
-  json.erase("signature");
-  return sha256_hex(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
-}
-
-Result<std::string> deployment_digest(const std::string& path) {
-  return read_document(path)
-      .and_then([&path](const std::string& text) { return parse_json(text, path); })
-      .map(digest_of);
-}
-
 std::string deployment_to_json(const Deployment& deployment) { return text_of(content_of(deployment)); }
 
 Result<std::string> checked_deployment_json(const std::string& path, const Deployment& deployment) {

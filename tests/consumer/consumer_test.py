@@ -127,6 +127,14 @@ def library_shows_its_own_symbols_only():
     assert "Eigen" not in names, [line for line in names.splitlines() if "Eigen" in line][:3]
 
 
+def library_needs_the_runtimes_of_c_and_cpp_alone():
+    dynamic = run("readelf", "-d", os.path.join(library_dir(), "liboctant.so")).stdout
+    needed = set(re.findall(r"\(NEEDED\).*\[(.*)\]", dynamic))
+    assert "libc.so.6" in needed, dynamic
+    more = {name for name in needed if not name.startswith(("libc.so", "libm.so", "libgcc_s.so", "libstdc++.so", "ld-linux"))}
+    assert not more, more
+
+
 def models_alone_within_another_project():
     """Asks for Eigen and tl::expected only; neither tests nor tools."""
     folder = os.path.join(box, "project")
@@ -159,14 +167,15 @@ def python_in_five_lines():
 
 
 def debian_packages():
-    """octant, liboctant-dev and python3-octant, unpacked as apt would."""
+    """octant, liboctant and its version, liboctant-dev and python3-octant, unpacked as apt would."""
     if not shutil.which("cpack") or not shutil.which("dpkg-shlibdeps"):
         print("skipped  cpack or dpkg-dev is not here")
         return
     packages, root = os.path.join(box, "packages"), os.path.join(box, "root")
     run("cpack", "-G", "DEB", "-B", packages, "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=gzip", cwd=BUILD)
     names = {name.split("_")[0]: os.path.join(packages, name) for name in os.listdir(packages) if name.endswith(".deb")}
-    wanted = {"octant", "liboctant-dev"} | ({"python3-octant"} if os.path.isdir(os.path.join(BUILD, "python", "octant")) else set())
+    runtime = next(name for name in names if re.fullmatch(r"liboctant\d.*", name))
+    wanted = {"octant", runtime, "liboctant-dev"} | ({"python3-octant"} if os.path.isdir(os.path.join(BUILD, "python", "octant")) else set())
     assert wanted <= set(names), names
     for path in names.values():
         run("dpkg", "-x", path, root)
@@ -207,7 +216,8 @@ with tempfile.TemporaryDirectory(prefix="octant-consumer-") as box:
     with open(cpp, "w", encoding="utf-8") as program:
         program.write(readme("cpp"))
     for each in (with_gcc, with_clang, other_eigen_settings_do_not_link, every_installed_header_compiles,
-                 library_shows_its_own_symbols_only, models_alone_within_another_project, python_in_five_lines,
+                 library_shows_its_own_symbols_only, library_needs_the_runtimes_of_c_and_cpp_alone,
+                 models_alone_within_another_project, python_in_five_lines,
                  pip_install, debian_packages):
         test(each)
 sys.exit(1 if failures else 0)
