@@ -13,11 +13,10 @@
 namespace octant {
 namespace {
 
-constexpr double kDistinct2 = 25.0;  // two places five sigma apart are two
+constexpr double kDistinct2 = 25.0;  // two positions are distinct if they are five sigma apart
 constexpr double kNothing = std::numeric_limits<double>::infinity();
 
-/// Heron's formula, Area = sqrt(s (s-a) (s-b) (s-c)), in Kahan's arrangement, which keeps its digits for flat
-/// triangles.
+/// Heron's formula, Area = sqrt(s (s-a) (s-b) (s-c)), in Kahan's form, which is accurate for flat triangles.
 double area_m2(double a, double b, double c) {
   double x = a, y = b, z = c;
   if (x < y) std::swap(x, y);
@@ -32,7 +31,7 @@ Eigen::Vector2d rotated_about(const Eigen::Vector2d& p, const Eigen::Vector2d& c
   return {c * dx - s * dy + centre.x(), s * dx + c * dy + centre.y()};
 }
 
-/// Sides that miss a triangle by no more than noise leave the receiver on the base line.
+/// Sides that fail to close by no more than noise put the receiver on the base line.
 bool nearly_closes(const StationRange& i, const StationRange& j, double base_m, double sigmas) {
   const double noise_m = sigmas * std::hypot(i.sigma_m, j.sigma_m);
   return i.distance_m + j.distance_m > base_m - noise_m &&
@@ -50,18 +49,18 @@ std::optional<Eigen::Vector2d> triangle_vertex(const Eigen::Vector2d& B, const E
   const double area = area_m2(a, b, c);
   if (!(area >= 0)) return std::nullopt;
   const double height = 2 * area / a;
-  // Steps 4 and 5: interior angles at C and B. The paper takes arcsin(height / b) and its supplement where c
-  // is the longest side. That is necessary for an obtuse angle at C but not sufficient, and near 90 degrees
-  // the arc sine loses half its digits; the foot of the height tells both.
+  // Steps 4 and 5: interior angles at C and B. The paper uses arcsin(height / b), and its supplement if c is
+  // the longest side. That condition is necessary for an obtuse angle at C but not sufficient, and near 90
+  // degrees the arc sine loses half its digits. The foot of the height determines both angles.
   const double foot = (a * a + (b - c) * (b + c)) / (2 * a);  // from C towards B; negative: beyond C
   const double angle_C = std::atan2(height, foot);
   const double angle_B = std::atan2(height, a - foot);
-  // Step 6: the angle that turns the base parallel to the x axis (arccos in the paper, with the sign of 6c).
+  // Step 6: angle that rotates the base parallel to the x axis (arccos in the paper, with the sign of 6c).
   const double theta = -std::atan2(C.y() - B.y(), C.x() - B.x());
-  // Steps 7 and 8: C, turned about B.
+  // Steps 7 and 8: C, rotated about B.
   const Eigen::Vector2d C_turned = rotated_about(C, B, theta);
-  // Step 9: A from C where the angle there is acute, from B where it is obtuse. The paper's A is on the left
-  // of B -> C.
+  // Step 9: A from C if the angle there is acute, from B if it is obtuse. The paper's A is on the left of B
+  // -> C.
   const double up = side == BaseLineSide::kRight ? -1.0 : 1.0;
   Eigen::Vector2d A;
   if (angle_C <= M_PI / 2) {
@@ -69,7 +68,7 @@ std::optional<Eigen::Vector2d> triangle_vertex(const Eigen::Vector2d& B, const E
   } else {
     A = {B.x() + c * std::cos(angle_B), B.y() + up * c * std::sin(angle_B)};  // 9b
   }
-  // Step 10: back again.
+  // Step 10: rotation back.
   return rotated_about(A, B, -theta);
 }
 
@@ -100,7 +99,7 @@ void TriangleSolver::form(std::span<const StationRange> stations) {
   }
 }
 
-/// Weighted mean of one vertex of each triangle, that which is nearer to a place.
+/// Weighted mean of one vertex of each triangle, the one closer to a position.
 TrianglePoint TriangleSolver::combine(const Eigen::Vector2d& near_m, std::span<const StationRange> stations,
                                       int left_out) const {
   TrianglePoint place;
@@ -108,7 +107,7 @@ TrianglePoint TriangleSolver::combine(const Eigen::Vector2d& near_m, std::span<c
   for (const Triangle& t : triangles_) {
     if (static_cast<int>(t.first) == left_out || static_cast<int>(t.second) == left_out) continue;
     const bool left = (t.vertex[0] - near_m).squaredNorm() <= (t.vertex[1] - near_m).squaredNorm();
-    const Eigen::Vector2d offset = t.vertex[left ? 0 : 1] - near_m;  // small numbers keep their digits
+    const Eigen::Vector2d offset = t.vertex[left ? 0 : 1] - near_m;  // small numbers avoid cancellation
     for (const std::size_t k : {t.first, t.second}) {
       const Eigen::Vector2d u = (near_m + offset - stations[k].p_m).normalized();
       const Eigen::Matrix2d weight = u * u.transpose() / (stations[k].sigma_m * stations[k].sigma_m);
@@ -132,8 +131,8 @@ void TriangleSolver::for_each_place(std::span<const StationRange> stations, int 
   for (const Triangle& t : triangles_) {
     if (static_cast<int>(t.first) == left_out || static_cast<int>(t.second) == left_out) continue;
     for (const Eigen::Vector2d& vertex : t.vertex) {
-      // A flat triangle's vertices are close to each other: which one is meant, the mean of all tells better
-      // than one vertex.
+      // The vertices of a flat triangle are close to each other: the mean of all triangles selects one better
+      // than a single vertex.
       TrianglePoint place = combine(vertex, stations, left_out);
       for (int i = 0; i < 2; ++i) place = combine(place.p_m, stations, left_out);
       if (place.p_m.allFinite() && std::isfinite(place.cost)) visit(place);
@@ -147,7 +146,7 @@ double TriangleSolver::best_cost(std::span<const StationRange> stations, int lef
   return best;
 }
 
-/// -1 where all agree; else the station without which the others do.
+/// Returns -1 if all agree, else the station without which the others do.
 int TriangleSolver::choose_left_out(std::span<const StationRange> stations, bool& agree) const {
   const int n = static_cast<int>(stations.size());
   agree = n == 2 || best_cost(stations, -1) <= chi2_gate(n - 2, gate_sigmas_);
@@ -174,7 +173,7 @@ void TriangleSolver::fill(TrianglePoint& place, const TrianglePoint& from,
   place.gain.assign(stations.size(), Eigen::Vector2d::Zero());
   const Eigen::Matrix2d covariance = place.information.inverse();
   Eigen::Matrix2d pairwise =
-      Eigen::Matrix2d::Zero();  // of the ranges once each, whatever triangles they are in
+      Eigen::Matrix2d::Zero();  // counts each range once, whatever triangles contain it
   for (const Triangle& t : triangles_) {
     if (static_cast<int>(t.first) == place.left_out || static_cast<int>(t.second) == place.left_out) continue;
     for (const std::size_t k : {t.first, t.second}) {
@@ -202,8 +201,8 @@ TriangleStatus TriangleSolver::solve(std::span<const StationRange> stations) noe
     if (place.cost < best.cost) best = place;
   });
   if (!(best.cost < kNothing)) return TriangleStatus::kFlat;
-  const double counted =
-      static_cast<double>(stations.size()) - (left_out >= 0 ? 2 : 1);  // how often each range is in the sum
+  const double counted = static_cast<double>(stations.size()) -
+                         (left_out >= 0 ? 2 : 1);  // number of times that each range occurs in the sum
   for_each_place(stations, left_out, [&](const TrianglePoint& place) {
     const Eigen::Vector2d apart = place.p_m - best.p_m;
     if (apart.dot(best.information * apart) > kDistinct2 * counted && place.cost < other.cost) other = place;

@@ -14,8 +14,8 @@
 namespace octant {
 namespace {
 
-/// Circle on which the state lies for a heading; a range below the difference in height stands right below
-/// the beacon.
+/// Circle of possible positions for a heading. A range below the height difference puts the vehicle right
+/// below the beacon.
 Circle circle_of(const SearchRange& r, double cosine, double sine) {
   const double dz = r.p_lever_m.z() - r.p_beacon_map_m.z();
   return {r.p_beacon_map_m.x() - cosine * r.p_lever_m.x() + sine * r.p_lever_m.y(),
@@ -23,7 +23,7 @@ Circle circle_of(const SearchRange& r, double cosine, double sine) {
           std::sqrt(std::max(r.range_m * r.range_m - dz * dz, 0.0))};
 }
 
-/// Two arrivals of each beacon stand for all: the earliest, since echoes are late, and the middle one, since
+/// Two representative arrivals of each beacon: the earliest, since echoes are late, and the middle one, since
 /// some are early.
 std::pmr::vector<std::array<std::size_t, 2>> representatives(const SearchProblem& problem) {
   std::pmr::vector<std::array<std::size_t, 2>> out(scratch());
@@ -47,9 +47,9 @@ void offer(Consensus& consensus, const PlanarState& state, TopList& top) {
 
 constexpr std::size_t kFirstHeadings = 4;
 using FirstHeadings =
-    std::array<double, 2 * kFirstHeadings>;  ///< fewer than twice as many, as the stride is rounded down
+    std::array<double, 2 * kFirstHeadings>;  ///< fewer than twice as many, because the stride is rounded down
 
-/// Headings to begin with at a place: those that a few of the bearings tell there, or none in particular.
+/// Initial headings at a position: those that some of the bearings imply, or evenly spaced ones.
 std::span<const double> first_headings(const SearchProblem& problem, double x_m, double y_m,
                                        FirstHeadings& memory) {
   memory[0] = 0.0;
@@ -75,9 +75,9 @@ struct Box {
   }
 };
 
-constexpr double kCellsPerStart = 0.125;  ///< one start of a descent for eight cells of the budget
+constexpr double kCellsPerStart = 0.125;  ///< starts of a descent for each cell
 
-/// The heard beacons' bounding box, grown by a quarter; no further than the ranges reach where they are
+/// Bounding box of the received beacons, enlarged by a quarter, but not beyond the ranges if they are
 /// absolute.
 Box search_box(const SearchProblem& problem) {
   Box box;
@@ -114,7 +114,7 @@ std::pmr::vector<std::array<std::size_t, 2>> choose_pairs(const SearchProblem& p
   std::pmr::vector<std::array<std::size_t, 2>> pairs(scratch());
   pairs.reserve(max_pairs);
   if (!problem.common_bias) {
-    // Along a drive each arrival has its own place: pairs of all beacons at all distances in time.
+    // Along a drive each arrival has its own position, so pairs cover all beacons and all time differences.
     const std::size_t n = problem.ranges.size();
     for (std::size_t stride = std::max<std::size_t>(n / 2, 1); pairs.size() < max_pairs && stride > 0;
          stride = stride * 2 / 3)
@@ -128,7 +128,7 @@ std::pmr::vector<std::array<std::size_t, 2>> choose_pairs(const SearchProblem& p
   const std::size_t n = stand_for.size();
   for (const auto& mix : kMix)
     for (std::size_t step = 1; step < n;
-         ++step)  // neighbours in the list first, so that each beacon has its turn
+         ++step)  // neighbours in the list first, so that all beacons are used equally
       for (std::size_t a = 0; a + step < n; ++a) {
         const std::array<std::size_t, 2> pair = {stand_for[a][mix[0]], stand_for[a + step][mix[1]]};
         if (std::ranges::find(pairs, pair) == pairs.end()) pairs.push_back(pair);
@@ -186,15 +186,15 @@ void propose_from_pairs(const SearchProblem& problem, const SearchOptions& optio
 void propose_from_grid(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus,
                        TopList& top) {
   const Box box = search_box(problem);
-  // Each cell is a start, not a sample: hyperbolas leave long valleys in which a grid would have to be very
-  // fine.
+  // Each cell is a start of a descent, not a sample: hyperbolas form long valleys that would require a very
+  // fine grid.
   const double spacing =
       std::sqrt((box.x1 - box.x0) * (box.y1 - box.y0) / (kCellsPerStart * options.max_cells));
   if (!(spacing > 0)) return;
   const double size = std::max(box.x1 - box.x0, box.y1 - box.y0);
   const double widths[] = {0.3 * size, 0.08 * size, std::max(0.02 * size, problem.lever_m)};
-  // With short lever arms the heading hardly moves the ranges at this width: places first, headings for the
-  // best of them.
+  // With short lever arms the heading hardly affects the ranges at this width: positions first, then headings
+  // for the best of them.
   TopList places(2 * options.keep, widths[2], 0.3);
   consensus.judge_shadows(false);
   FirstHeadings headings_here;

@@ -16,24 +16,26 @@ namespace octant {
 struct Candidate {
   PlanarState state;
   double score = 0.0;
-  double least_score = 0.0;  ///< no pose that it may lead to scores less
+  double least_score = 0.0;  ///< lower bound of the scores of poses that it may lead to
 };
 
-/// Circle on which the origin of the vehicle lies.
+/// Circle that contains the origin of the vehicle.
 struct Circle {
   double x_m, y_m, radius_m;
 };
-/// Intersections of two circles, or twice the point between them where they do not meet; 0 if concentric.
+/// Intersections of two circles. If they do not meet, the point between them is returned twice; 0 for
+/// concentric circles.
 int intersect(const Circle& a, const Circle& b, std::array<PlanarState, 2>& out);
 
-/// The best few of many candidates, best first. Of those closer than apart only the best is kept.
+/// The best few of many candidates, best first. Among candidates that are closer than a distance only the
+/// best is kept.
 class TopList {
  public:
   TopList(std::size_t size, double apart_m, double apart_rad)
       : size_(size), apart_m_(apart_m), apart_rad_(apart_rad) {
     list_.reserve(size + 1);
   }
-  /// Scores beyond it need not be computed to the end.
+  /// Scores above this bound need not be evaluated completely.
   [[nodiscard]] double worst() const;
   void offer(const Candidate& candidate);
   [[nodiscard]] const std::pmr::vector<Candidate>& list() const { return list_; }
@@ -45,43 +47,43 @@ class TopList {
 };
 
 struct SearchOptions {
-  int headings = 8;       ///< coarse headings over the full turn
-  int max_pairs = 40;     ///< pairs of arrivals whose circles are cut
-  int max_cells = 400;    ///< of the grid, where pairs do not do
-  std::size_t keep = 10;  ///< candidates that are refined
-  /// Where the pose may well be: the first to be held against others.
+  int headings = 8;       ///< number of coarse headings in a full turn
+  int max_pairs = 40;     ///< number of pairs of arrivals whose circles are intersected
+  int max_cells = 400;    ///< number of cells of the grid that is used if pairs do not suffice
+  std::size_t keep = 10;  ///< number of candidates that are refined
+  /// Expected pose, which is tried first.
   std::optional<PlanarState> start{};
-  /// Among beacons that are known (no uncertainty), of one epoch, nothing is looked for but poses whose score
-  /// is within the margin of the best, or below. Without bounds all that pairs propose is tried.
+  /// For known beacons and a single epoch, restricts the search to poses whose score is within the margin of
+  /// the best. Otherwise all proposals of pairs are tried.
   bool bounded = true;
   double margin = 2.0;
 };
 
-/// Pairs of ranges, spread over the pairs of beacons: first all earliest with earliest, then middle with
+/// Pairs of ranges, distributed over the pairs of beacons: first earliest with earliest, then middle with
 /// middle, then mixed.
 [[nodiscard]] std::pmr::vector<std::array<std::size_t, 2>> choose_pairs(const SearchProblem& problem,
                                                                         std::size_t max_pairs);
 
-/// Poses that pairs of arrivals of different beacons allow: for each coarse heading the circles about beacon
-/// less lever arm are cut; circles that do not quite meet give their closest points.
+/// Proposes poses from pairs of arrivals of different beacons. For each coarse heading it intersects the
+/// circles around beacon minus lever arm; circles that do not quite meet give their closest points.
 void propose_from_pairs(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus,
                         TopList& top);
-/// Where a pair's circles meet, with the lever arms at a heading: positions, as `intersect`.
+/// Intersections of a pair's circles for a given heading, like `intersect`.
 int pair_states(const SearchProblem& problem, const std::array<std::size_t, 2>& pair, double cosine,
                 double sine, std::array<PlanarState, 2>& meet);
 
-/// Poses on a grid over the area that the heard beacons' ranges allow; the cycle offset is a median. For
-/// cycle offsets, of which pairs of arrivals tell nothing, and for what is mostly bearings.
+/// Proposes poses on a grid over the area that the received ranges allow, with the median as cycle offset.
+/// For cycle offsets, which pairs of arrivals do not determine, and for epochs with mostly bearings.
 void propose_from_grid(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus,
                        TopList& top);
 
-/// What a search found: distinct poses, best first, scored without any widening.
+/// Result of a search: distinct poses, best first, scored without widening.
 struct SearchResult {
   std::pmr::vector<Candidate> poses{scratch()};
-  std::pmr::vector<Eigen::Matrix4d> information{scratch()};  ///< of each
+  std::pmr::vector<Eigen::Matrix4d> information{scratch()};  ///< information matrix of each pose
 };
 
-/// The whole search for a planar pose, from nothing or from a start.
+/// Complete search for a planar pose, with or without an expected pose.
 [[nodiscard]] SearchResult search_pose(const SearchProblem& problem, const SearchOptions& options = {});
 
 }  // namespace octant

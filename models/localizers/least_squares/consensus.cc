@@ -11,16 +11,16 @@
 namespace octant {
 namespace {
 
-constexpr double kBehindCost = 4.0;  ///< against: one in fifty direct arrivals
-/// Beyond the cosine within which a receiver hears: a heading that is not solved yet may put a beacon there.
+constexpr double kBehindCost = 4.0;  ///< one in fifty direct arrivals comes from behind
+/// Tolerance on the cosine of reception, because the heading is not exact during the search.
 constexpr double kHearingMargin = 0.1;
 constexpr double kBearingCap = 6.0;
-const double kEarlyMore = std::log(20.0);              ///< early arrivals are so much rarer than late ones
-constexpr double kLateScale = 2.5, kEarlyScale = 3.5;  ///< of the Cauchy weights, in sigmas
+const double kEarlyMore = std::log(20.0);              ///< ratio of frequencies of late and early arrivals
+constexpr double kLateScale = 2.5, kEarlyScale = 3.5;  ///< scales of the Cauchy weights, in sigmas
 
-constexpr double kCoarseStep = 0.1;   ///< of the width, that is the last
-constexpr double kRise = 1.0;         ///< of the score, from which on a step was too long
-constexpr double kLongestTurn = 0.6;  ///< of a step [rad]
+constexpr double kCoarseStep = 0.1;   ///< share of the width; smaller steps end the iteration
+constexpr double kRise = 1.0;         ///< increase of the score after which a step is halved
+constexpr double kLongestTurn = 0.6;  ///< bound of a step [rad]
 
 double signed_square(double x) { return x * std::abs(x); }
 
@@ -46,7 +46,7 @@ Consensus::Consensus(const SearchProblem& problem) : problem_(problem) {
   set_extra_sigma(0.0);
 }
 
-/// If one of the pings over a path is heard from behind, all are, which is to be paid for once.
+/// If one ping on a path is received from behind, all are, so the cost counts once.
 void Consensus::share_behind_cost() {
   for (std::size_t group = 0; group < problem_.groups(); ++group)
     for (std::size_t i = problem_.group_first[group]; i < problem_.group_first[group + 1]; ++i) {
@@ -65,14 +65,13 @@ Consensus::Caps Consensus::caps_for(double variance_m2) const {
 
 void Consensus::set_extra_sigma(double extra_m) {
   extra_m_ = extra_m;
-  // Most are alike, and logarithms are what this loop costs.
+  // Most sigmas are equal, and logarithms dominate the cost of this loop.
   double of_arrival_m2 = 0.0, of_group_m2 = 0.0;
   Caps arrival_caps{}, caps_of_group{};
   for (std::size_t group = 0; group < problem_.groups(); ++group) {
     const std::size_t first = problem_.group_first[group], last = problem_.group_first[group + 1];
     const double bias2 = problem_.group_bias_m[group] * problem_.group_bias_m[group];
-    // Where a beacon's arrivals have nothing in common, or there is but one, its bias is a part of their own
-    // errors.
+    // If a beacon's arrivals are independent, or there is only one, its bias adds to their own errors.
     const bool own = !problem_.common_bias || last - first == 1;
     bias_variance_[group] =
         own || bias2 < 0.01 * problem_.median_sigma_m * problem_.median_sigma_m ? 0.0 : bias2;
@@ -101,7 +100,7 @@ void Consensus::set_residuals(const PlanarState& s, const PlanarTurn& heading, P
     residual_[i] = r.range_m - s.offset_m - std::sqrt(flat2 + r.dz2_m2);
     const double towards =
         -(dx * (cosine * r.axis_x - sine * r.axis_y) + dy * (sine * r.axis_x + cosine * r.axis_y));
-    // towards < cosine * distance by their squares: roots are what this loop costs.
+    // Compares squares instead of towards < cosine * distance, because roots dominate the cost of this loop.
     behind_[i] = signed_square(towards) < r.hearing2 * flat2 ? judged * r.behind_cost : 0.0;
   }
 }
@@ -125,7 +124,7 @@ double Consensus::arrival_cost(std::size_t i, double residual) const {
 
 double Consensus::middle_residual(std::size_t group) {
   const double* r = residual_.data() + problem_.group_first[group];
-  switch (problem_.group_first[group + 1] - problem_.group_first[group]) {  // mostly of few
+  switch (problem_.group_first[group + 1] - problem_.group_first[group]) {  // specialised for small groups
     case 1: return r[0];
     case 2: return std::min(r[0], r[1]);
     case 3: return std::max(std::min(r[0], r[1]), std::min(std::max(r[0], r[1]), r[2]));
@@ -149,10 +148,9 @@ double Consensus::divided_group_cost(std::size_t group, double plain, bool& dire
     information += inverse_variance_[i];
   }
   if (bias_variance > 0) plain = 0.5 * bias * bias / (bias_variance + 1.0 / information) + among_behind;
-  // Nothing but a wrong beacon makes all its arrivals early; so without a bias of its own that is not
-  // offered.
+  // Only a wrong beacon position makes all its arrivals early, so this is not considered without a bias.
   if (bias <= 0 && bias_variance == 0.0) return plain;
-  // An echo comes from any side, so hearing from behind costs nothing there.
+  // Echoes come from all directions, so reception from behind is free for them.
   const double shadowed = (bias > 0 ? group_caps_[group].late : group_caps_[group].early) + among;
   direct = plain <= shadowed;
   return std::min(plain, shadowed);
@@ -172,7 +170,7 @@ double Consensus::group_cost(std::size_t group, bool& direct) {
   }
   direct = true;
   if (!judge_shadows_ || !problem_.common_bias || last - first < 2) return plain;
-  // What they have in common is taken out by least squares; if the rest is cheap, all is said.
+  // Eliminates the common error by least squares. If the remaining cost is low, the group is direct.
   if (bias_variance_[group] > 0) plain = S2 - 0.5 * S1 * S1 / (1.0 / bias_variance_[group] + S0) + behind;
   return plain <= group_caps_[group].late ? plain : divided_group_cost(group, plain, direct);
 }
@@ -210,8 +208,7 @@ double Consensus::best_offset(const PlanarState& state) {
   return sorted_.empty() ? 0.0 : *middle;
 }
 
-/// Normal equations of one beacon's arrivals; its bias, where it has one, is eliminated by the Schur
-/// complement.
+/// Adds the normal equations of one beacon's arrivals, with its bias eliminated (Schur complement).
 double Consensus::add_group(std::size_t group, PoseEquations& eq) {
   bool direct = true;
   const double cost = group_cost(group, direct);
@@ -244,7 +241,7 @@ void Consensus::add_bearing(const SearchBearing& b, const PlanarState& s, const 
   const double dx = b.p_reflector_map_m.x() - s.x_m - lx, dy = b.p_reflector_map_m.y() - s.y_m - ly;
   const double n2 = std::max(dx * dx + dy * dy, 1e-6);
   const double off =
-      wrap_angle(b.bearing_rad + s.heading_rad - std::atan2(dy, dx));  // observed less predicted
+      wrap_angle(b.bearing_rad + s.heading_rad - std::atan2(dy, dx));  // observed minus predicted
   const double variance = b.sigma_rad * b.sigma_rad +
                           (extra_m_ * extra_m_ + problem_.uncertainty_m * problem_.uncertainty_m) / n2;
   const double w = 1.0 / variance / (1.0 + off * off / variance / (kEarlyScale * kEarlyScale));
@@ -327,7 +324,8 @@ Eigen::Matrix4d Consensus::refine(PlanarState& s, int iterations, std::size_t wi
   const double least_rad =
       std::max(1e-4, kCoarseStep * extra_m_ /
                          (problem_.bearings.empty() ? std::max(problem_.lever_m, 1e-3) : problem_.span_m));
-  // A turn by a takes the end of a lever arm l off its tangent by l a^2 / 2: no further than three sigmas.
+  // A rotation by a moves the end of a lever arm l off its tangent by l a^2 / 2, which is limited to three
+  // sigmas.
   const double longest_turn = std::min(
       kLongestTurn,
       std::sqrt(6 * std::hypot(problem_.median_sigma_m, extra_m_) / std::max(problem_.lever_m, 1e-3)));

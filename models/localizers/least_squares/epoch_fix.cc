@@ -28,7 +28,7 @@ constexpr int kMaxHeadings = 24;
 
 struct Count {
   int heard = 0, used = 0;                         ///< arrivals of usable beacons
-  int bearings = 0, bearings_seen = 0, poses = 0;  ///< labelled, of usable reflectors: in use, all
+  int bearings = 0, bearings_seen = 0, poses = 0;  ///< labelled bearings of usable reflectors: in use, total
   int beacons_heard = 0, beacons_used = 0;
 };
 
@@ -61,7 +61,7 @@ void set_node(const Trajectory& t, const SearchProblem& problem, Node& node, con
   if (t.has_cycle_offset) node.cycle_offset_s = s.offset_m / problem.speed_mps;
 }
 
-/// Start of an epoch with a measured pose: only the heading and the offset may be open.
+/// Start of an epoch with a measured pose: only heading and offset may be unknown.
 PlanarState start_at_measured_pose(const PoseObservation& measured, const SearchProblem& problem) {
   PlanarState best{measured.T_map_vehicle.translation_m.x(), measured.T_map_vehicle.translation_m.y(),
                    measured.T_map_vehicle.heading_rad(), 0.0};
@@ -109,20 +109,20 @@ bool is_poor(const Trajectory& t, const Segment& segment, const EpochFixModel& m
   return sigma_m > std::max(options.max_sigma_m, kMaxDilution * mean_range_sigma_m(t, segment, model));
 }
 
-/// At the mirror image of a pose all ranges fit, and one bearing is met by the heading: most of them speak
-/// against it.
+/// At the mirror image of a pose all ranges fit, and the heading can match one bearing; the other bearings
+/// then disagree.
 bool bearings_speak_against(const Count& c) {
   return c.poses == 0 && c.bearings_seen >= 2 && 2 * c.bearings < c.bearings_seen;
 }
 
-/// Whether the arrivals used are more than chance can bring together.
+/// Returns true if the number of arrivals in agreement cannot be due to chance.
 bool is_consensus(const Count& c, int unknowns) {
   if (c.poses > 0) return true;
   if (bearings_speak_against(c)) return false;
   const int rejected = c.heard - c.used, spare = c.used + c.bearings - unknowns;
   if (spare < 0) return false;
   if (rejected == 0) return true;
-  // Any `unknowns` arrivals agree on something; and two beacons cannot tell which of three is in a shadow.
+  // Any `unknowns` arrivals agree, and two beacons cannot identify which of three is shadowed.
   return spare >= 2 && 3 * c.used >= c.heard &&
          (c.beacons_used >= 3 || c.beacons_used == c.beacons_heard || c.bearings >= 2);
 }
@@ -132,13 +132,14 @@ double instant_of(const Trajectory& t, const Segment& segment) {
   return t.arrivals[segment.first_arrival + (segment.last_arrival - segment.first_arrival) / 2].time_s;
 }
 
-/// Whether ranges alone may place the node at once.
+/// Returns true if ranges alone may determine the node in closed form.
 bool may_begin_closed(const Trajectory& t, const Segment& segment, const EpochFixOptions& options) {
   return options.range_uncertainty_m == 0.0 && t.motion == Motion::kPlanar && !t.has_cycle_offset &&
          segment.first_pose == segment.last_pose;
 }
 
-/// Whether arrivals in use came over so many paths (beacon, receiver): pings over one repeat one equation.
+/// Returns true if the arrivals in use cover enough different paths (beacon, receiver): pings on one path
+/// repeat one equation.
 bool are_over_enough_paths(const Trajectory& t, const Segment& segment) {
   std::array<std::pair<BeaconId, ReceiverId>, kFewestPaths> paths;
   std::size_t count = 0;
@@ -152,8 +153,8 @@ bool are_over_enough_paths(const Trajectory& t, const Segment& segment) {
   return count == kFewestPaths;
 }
 
-/// Whether what does not agree are echoes in any pose: late, a quarter at most, and of each beacon something
-/// agrees.
+/// Returns true if the arrivals that disagree are echoes in any pose: late, at most a quarter, and each
+/// beacon has arrivals that agree.
 bool are_a_few_echoes(const Trajectory& t, const Segment& segment, const Count& c) {
   if (4 * (c.heard - c.used) > c.heard || c.beacons_used != c.beacons_heard) return false;
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i)
@@ -161,9 +162,10 @@ bool are_a_few_echoes(const Trajectory& t, const Segment& segment, const Count& 
   return true;
 }
 
-/// Whether no search could find a better pose than one at which all arrivals but a few echoes agree: of three
-/// beacons and more that are not in line (which the closed form takes), over seven paths and more, and they
-/// tell the heading. Few enough wrong arrivals to fit into that do not exist; four paths have two poses.
+/// Returns true if no search could find a better pose. All arrivals except a few echoes must agree, on seven
+/// or more paths from three or more beacons that are not collinear (as the closed form requires), and
+/// determine the heading. Then no set of outliers is small enough to be compatible; four paths allow two
+/// poses.
 bool is_beyond_doubt(const Trajectory& t, const Segment& segment, const Count& c,
                      const NodeAdjustment& adjustment) {
   if (!adjustment.converged || !are_a_few_echoes(t, segment, c) || c.bearings != c.bearings_seen ||
@@ -172,7 +174,7 @@ bool is_beyond_doubt(const Trajectory& t, const Segment& segment, const Count& c
   return heading_information(adjustment.information) > 1.0 / (kHeadingSigmaRad * kHeadingSigmaRad);
 }
 
-/// Sets the node to the best pose of a planar search; returns whether another pose is as good.
+/// Sets the node to the best pose of a planar search; returns true if another pose is equally good.
 bool start_planar(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                   const EpochFixOptions& options, const std::optional<PlanarState>& start, bool& found) {
   const SearchProblem problem = make_search_problem(t, segment, model, options.range_uncertainty_m);
@@ -183,8 +185,7 @@ bool start_planar(Trajectory& t, const Segment& segment, const EpochFixModel& mo
     return false;
   }
   SearchOptions search;
-  // Long lever arms need closer headings: half a step must not move a receiver by more than a few
-  // centimetres.
+  // Long lever arms need denser headings: half a step must move a receiver by a few centimetres at most.
   const int wanted = static_cast<int>(std::ceil(0.5 * std::numbers::pi * problem.lever_m / kHeadingStepM));
   if (wanted > search.headings) {
     search.headings = std::min(wanted, kMaxHeadings);
@@ -240,9 +241,8 @@ Segment node_segment(const Trajectory& t, const Segment& segment, std::size_t no
 
 namespace {
 
-/// Linear ranges without those of arrivals that came over a detour, adjusted. Returns whether no search could
-/// do better; else all arrivals are in use again, and a search may start where the last linear ranges placed
-/// the node.
+/// Linear ranges without arrivals that came by a detour, followed by an adjustment. Returns true if no search
+/// could do better. Otherwise all arrivals are in use again, and a search may start at the resulting node.
 bool fix_in_closed_form(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                         const EpochFixOptions& options, CorrelatedArrivals& sigmas,
                         NodeAdjustment& adjustment, Count& c, std::optional<PlanarState>& start) {
@@ -279,7 +279,7 @@ void fix_node(Trajectory& t, const Segment& segment, const EpochFixModel& model,
 
   reset_rejections(t, segment, model);
   Count c = count(t, segment, model);
-  // Position (and offset) at least; the heading may stay open.
+  // At least position and offset must be determined; the heading may be unknown.
   const int least = (t.motion == Motion::kPlanar ? 2
                      : place_alone               ? kPlaceUnknowns
                                                  : 6) +

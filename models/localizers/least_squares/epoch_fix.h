@@ -17,21 +17,22 @@
 
 namespace octant {
 
-/// The part of a segment that belongs to one of its nodes alone (epochs chained by odometry): its arrivals,
-/// bearings, poses.
+/// Part of a segment that belongs to one of its nodes (epochs linked by odometry): its arrivals, bearings and
+/// poses.
 [[nodiscard]] Segment node_segment(const Trajectory& trajectory, const Segment& segment, std::size_t node);
 
-/// Robust least-squares fix of one segment (a stationary epoch: one node) from nothing: a coarse search over
-/// poses that pairs of arrivals allow, the largest consensus under a one-sided loss, then a plain adjustment
-/// of the arrivals that agree. The result is the least-squares estimate of the arrivals used; its covariance
-/// is that of their noise (and the uncertainty), with the shared parameters held. Where nothing tells the
-/// heading (one receiver on the axis, no bearings) the position is still a fix, and the heading's sigma is
-/// pi. Sets the node, marks the arrivals of the segment used or rejected; where the model states correlated
-/// noise, they are left with the sigmas that they were weighed by. The node counts as placed only if the fix
-/// is kOk; it holds the best pose found in any case.
+/// Robust least-squares fix of one segment (a stationary epoch: one node) without an initial value. A coarse
+/// search over poses that pairs of arrivals allow finds the largest consensus under a one-sided loss, and the
+/// arrivals that agree are adjusted. The result is their least-squares estimate. Its covariance is that of
+/// their noise (and the range uncertainty) for fixed shared parameters. If the heading is not determined (one
+/// receiver on the axis, no bearings), the position is still a fix and the sigma of the heading is pi.
+///
+/// Sets the node and marks the arrivals of the segment as used or rejected. With correlated noise their
+/// sigmas are left as the weights of the adjustment. The node counts as placed only if the fix is kOk, but
+/// always contains the best pose.
 [[nodiscard]] Fix fix_epoch(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                             const EpochFixOptions& options = {});
-/// The same into a fix whose memory is used again.
+/// Writes into an existing fix and reuses its memory.
 void fix_epoch(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                const EpochFixOptions& options, Fix& fix);
 
@@ -46,7 +47,7 @@ class LeastSquaresLocalizer final : public Localizer {
   using Localizer::locate;
   /// Fix from the arrivals of one epoch of one vehicle.
   [[nodiscard]] Fix locate(std::span<const Arrival> arrivals) { return locate(Observations{arrivals, {}}); }
-  /// All epochs of a run, in order; epochs without a fix included with their reason.
+  /// Fixes of all epochs of a run in order, including those without a pose.
   [[nodiscard]] std::vector<Fix> locate(const MeasurementLog& all_rows);
 
  private:
@@ -65,11 +66,11 @@ class LeastSquaresLocalizer final : public Localizer {
   Scratch scratch_;
 };
 
-/// All arrivals and bearings of a segment in use, but those of beacons that are not.
+/// Marks all arrivals and bearings of a segment as used, except those of unusable beacons.
 void reset_rejections(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model);
 
-/// Covariance of the pose of an adjusted node, noise alone; false where the position is not determined. A
-/// heading without information gets the sigma pi.
+/// Covariance of the pose of an adjusted node due to noise; false if the position is not determined. An
+/// undetermined heading gets the sigma pi.
 bool pose_covariance(const Trajectory& trajectory, const NodeBlock& information, PoseCovariance& covariance);
 
 }  // namespace octant

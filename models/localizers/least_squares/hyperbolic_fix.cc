@@ -10,17 +10,17 @@
 namespace octant {
 namespace {
 
-constexpr double kParallel = 1e-9;  // sine between two curves below which they count as one
+constexpr double kParallel = 1e-9;  // sine between two curves below which they count as parallel
 constexpr int kMaxHalvings = 12;
 
-/// Perpendicular to a difference of directions: where two distances change alike. In the plane it is (psi0 +
-/// psi1) / 2.
+/// Direction in which two distances change equally: perpendicular to the difference of their directions. In
+/// the plane its angle is (psi0 + psi1) / 2.
 Eigen::Vector2d tangent(const Eigen::Vector2d& e_from, const Eigen::Vector2d& e_to) {
   const Eigen::Vector2d across = e_to - e_from;
   return {-across.y(), across.x()};
 }
 
-/// By how much the measured differences d1 - d2 and d1 - d0 exceed those at a point.
+/// Differences between the measured d1 - d2 and d1 - d0 and those at a point.
 Eigen::Vector2d misclosure(const std::array<PlanBeacon, 3>& b, const std::array<double, 3>& d,
                            const Eigen::Vector2d& p) {
   const double m0 = d[0] - slant_distance_m(b[0], p), m1 = d[1] - slant_distance_m(b[1], p);
@@ -45,7 +45,7 @@ Eigen::Vector2d foreshortened(const PlanBeacon& beacon, const Eigen::Vector2d& p
 }
 
 std::optional<HyperbolicStep> hyperbolic_step(const std::array<Eigen::Vector2d, 3>& e) {
-  // Along the curve on which d1 - d0 stays, d1 - d2 changes by -(e1 - e2) . t for a step t (eq. 2)
+  // Along the curve of constant d1 - d0, a step t changes d1 - d2 by -(e1 - e2) . t (eq. 2).
   const Eigen::Vector2d along_10 = tangent(e[0], e[1]), along_12 = tangent(e[2], e[1]);
   const double rate_12 = -(e[1] - e[2]).dot(along_10), rate_10 = -(e[1] - e[0]).dot(along_12);
   const double scale = along_10.norm() * along_12.norm();
@@ -79,7 +79,7 @@ HyperbolicFix hyperbolic_fix(const std::array<PlanBeacon, 3>& beacons,
         open = there;
         break;
       }
-      if (halving == kMaxHalvings) {  // no better place: rounding, or no intersection
+      if (halving == kMaxHalvings) {  // no improvement: rounding, or no intersection
         fix.converged = length_m < 1e3 * options.tolerance_m;
         return fix;
       }
@@ -104,7 +104,8 @@ std::optional<Eigen::Vector2d> other_intersection(const std::array<PlanBeacon, 3
   if (!(std::abs(curvature) > kParallel)) return std::nullopt;
   const double offset_m = slope_m / curvature;
   for (std::size_t i = 0; i < 3; ++i)
-    if (d[i] - offset_m < std::abs(b[i].height_m)) return std::nullopt;  // of the hyperbolas' other branches
+    if (d[i] - offset_m < std::abs(b[i].height_m))
+      return std::nullopt;  // these points lie on the hyperbolas' other branches
   return Eigen::Vector2d(p + offset_m * v);
 }
 

@@ -10,42 +10,42 @@
 namespace octant {
 
 // L. Kleeman, "Ultrasonic autonomous robot localisation system", section 4.1: a point from three distances
-// that are all longer by the same unknown amount, so that only their differences count, and each difference
-// is a hyperbola.
+// with a common unknown excess. Only their differences count, and each difference is a hyperbola.
 //
-// From space to the plane. The beacons hang above the plane in which the receivers move, by a height h that
-// is known. With r the distance in the plan, the slant distance is d = sqrt(r^2 + h^2), and it changes by
-// cos(elevation) = r / d times as much as r does. So a beacon's direction (cos psi, sin psi) is foreshortened
-// to e = r / d (cos psi, sin psi), and
+// Extension to space: the beacons are above the plane of the receivers by a known height h. With the
+// horizontal distance r, the slant distance is d = sqrt(r^2 + h^2), and its derivative by r is cos(elevation)
+// = r / d. The direction of a beacon (cos psi, sin psi) is therefore foreshortened to e = r / d (cos psi, sin
+// psi), and
 //   dd_i = -e_i . dP
-// holds for slant distances as eq. 2 does in the plane: nothing is approximated, and no distance is turned
-// into a plan distance, which would need the unknown offset. For level beacons |e| = 1 and all below are the
-// paper's equations.
+// holds for slant distances like eq. 2 in the plane. Nothing is approximated, and slant distances are not
+// converted into horizontal ones, which would require the unknown offset. For level beacons |e| = 1 and all
+// equations below are those of the paper.
 
-/// A beacon as the receivers' plane sees it.
+/// A beacon relative to the receivers' plane.
 struct PlanBeacon {
   Eigen::Vector2d p_map_m = Eigen::Vector2d::Zero();
-  double height_m = 0.0;  ///< above (or below) the receivers' plane
+  double height_m = 0.0;  ///< above or below the receivers' plane
 };
 
-/// Slant distance [m] of a point of the receivers' plane.
+/// Slant distance [m] from a point of the receivers' plane.
 [[nodiscard]] double slant_distance_m(const PlanBeacon& beacon, const Eigen::Vector2d& p_map_m);
 
-/// e: direction to the beacon, foreshortened by the cosine of its elevation; zero right below it. No unit.
+/// e: direction to the beacon, foreshortened by the cosine of its elevation; zero right below it.
 [[nodiscard]] Eigen::Vector2d foreshortened(const PlanBeacon& beacon, const Eigen::Vector2d& p_map_m);
 
-/// How the point moves with the differences of distances (eq. 4): dP = by_d12 d(d1 - d2) + by_d10 d(d1 - d0).
+/// Derivatives of the point by the differences of distances (eq. 4): dP = by_d12 d(d1 - d2) + by_d10 d(d1 -
+/// d0).
 ///
 /// For level beacons, with psi_i the angles from the x axis to the beacons,
 ///   by_d12 = -(cos, sin)((psi0 + psi1) / 2) / (2 sin((psi0 - psi2) / 2) sin((psi1 - psi2) / 2))
 ///   by_d10 = -(cos, sin)((psi2 + psi1) / 2) / (2 sin((psi2 - psi0) / 2) sin((psi1 - psi0) / 2))
-/// The cosines are the paper's dx, the sines are dy. The paper prints d(d0 - d1) in the second term; its own
-/// derivation, with 0 and 2 exchanged in eq. 3, gives d(d1 - d0), and so do numeric derivatives.
+/// The cosines are the paper's dx, the sines its dy. The paper prints d(d0 - d1) in the second term; its own
+/// derivation, with 0 and 2 exchanged in eq. 3, gives d(d1 - d0), which numeric derivatives confirm.
 struct HyperbolicStep {
   Eigen::Vector2d by_d12, by_d10;
 
-  /// Derivatives of the point by the three distances, columns d0, d1, d2. They add up to zero: a common
-  /// offset does not count.
+  /// Derivatives of the point by the three distances, columns d0, d1, d2. Rows add up to zero, because a
+  /// common offset has no effect.
   [[nodiscard]] Eigen::Matrix<double, 2, 3> by_distances() const {
     Eigen::Matrix<double, 2, 3> J;
     J << -by_d10, by_d10 + by_d12, -by_d12;
@@ -53,7 +53,7 @@ struct HyperbolicStep {
   }
 };
 
-/// @param e  foreshortened directions to the three beacons  @return nothing where the hyperbolas are parallel
+/// @param e  foreshortened directions to the three beacons  @return no value if the hyperbolas are parallel
 [[nodiscard]] std::optional<HyperbolicStep> hyperbolic_step(const std::array<Eigen::Vector2d, 3>& e);
 
 struct HyperbolicFixOptions {
@@ -78,19 +78,20 @@ struct HyperbolicFix {
                                            const Eigen::Vector2d& start_map_m,
                                            const HyperbolicFixOptions& options = {});
 
-/// Where the same two hyperbolas meet again, if they do: with d_i^2 = |P - b_i|^2 + h_i^2 and d_i less an
-/// offset for d_i, the differences of these equations are linear in P and the offset, and what is left is a
-/// quadratic of which one root is known.
-/// @param p_map_m  an intersection; its distances are taken, so a common offset in measured ones does not
-/// matter
-/// @return nothing if there is no other, or the three are on one line (then it is the mirror image)
+/// Second intersection of the same two hyperbolas, if there is one. With d_i^2 = |P - b_i|^2 + h_i^2 and d_i
+/// minus an offset in place of d_i, the differences of these equations are linear in P and the offset. The
+/// remaining quadratic has one known root.
+/// @param p_map_m  an intersection, whose distances are used, so that a common offset of measured distances
+/// does not matter
+/// @return no value if there is no second intersection, or if the three beacons are collinear (it is then the
+/// mirror image)
 [[nodiscard]] std::optional<Eigen::Vector2d> other_intersection(const std::array<PlanBeacon, 3>& beacons,
                                                                 const Eigen::Vector2d& p_map_m);
 
-/// Error analysis (section 4.2; the paper leaves the expression to its report): standard deviations of x and
-/// y when the distances have the independent sigmas s_i. With g12, g10 the columns of eq. 4,
-///   s_x^2 = g10x^2 s_0^2 + (g10x + g12x)^2 s_1^2 + g12x^2 s_2^2,   and the same with y.
-/// @return [m]; infinite where the hyperbolas are parallel
+/// Error analysis (section 4.2; the paper refers to its report for the expression): standard deviations of x
+/// and y for distances with independent sigmas s_i. With g12, g10 the columns of eq. 4,
+///   s_x^2 = g10x^2 s_0^2 + (g10x + g12x)^2 s_1^2 + g12x^2 s_2^2,   and likewise for y.
+/// @return [m]; infinite if the hyperbolas are parallel
 [[nodiscard]] Eigen::Vector2d hyperbolic_error_m(const std::array<PlanBeacon, 3>& beacons,
                                                  const Eigen::Vector2d& p_map_m,
                                                  const std::array<double, 3>& sigma_m);

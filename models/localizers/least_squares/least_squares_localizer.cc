@@ -21,10 +21,10 @@ namespace {
 using Matrix5d = Eigen::Matrix<double, 5, 5>;
 
 constexpr std::size_t kScratchBytes =
-    1u << 20;  ///< the search of a fix by sixteen beacons and eight receivers takes a quarter
-constexpr std::size_t kRowsEachPair = 2;  ///< an epoch may hold a few pings
+    1u << 20;  ///< the search for sixteen beacons and eight receivers needs a quarter of it
+constexpr std::size_t kRowsEachPair = 2;  ///< an epoch may contain several pings
 
-/// Of x, y, z, delay and the speed: what moves a beacon's arrivals.
+/// Covariance of x, y, z, delay and speed, which affect a beacon's arrivals.
 Matrix5d covariance_of(const Deployment& deployment, const ParameterIndex& row_of, std::size_t b) {
   const DeploymentBeacon& beacon = deployment.beacons[b];
   Matrix5d C = Matrix5d::Zero();
@@ -114,7 +114,7 @@ LeastSquaresLocalizer::LeastSquaresLocalizer(Deployment deployment, EpochFixOpti
   reserve_epoch(epoch_, arrivals, kRowsEachPair * deployment_.beacons.size());
 }
 
-/// The fix once more from the arrivals that are in use now; false where they do not make one.
+/// Repeats the fix with the arrivals that are in use now; false if there is no fix.
 bool LeastSquaresLocalizer::adjust_again(Trajectory& trajectory, const Segment& epoch,
                                          const EpochFixModel& model, Fix& fix) const {
   report_arrivals(trajectory, epoch.first_arrival, epoch.last_arrival, fix);

@@ -14,9 +14,10 @@
 namespace octant {
 namespace {
 
-constexpr double kInLine = 1e-4;  ///< of the largest pivot: beacons in line do not tell the side
+constexpr double kInLine =
+    1e-4;  ///< relative to the largest pivot: collinear beacons do not determine the side
 
-/// Mean range and place of each beacon that the epoch hears, in order of first appearance.
+/// Mean range and position of each received beacon, in order of first appearance.
 struct Heard {
   Eigen::Vector3d p_map_m;
   double range_m = 0.0;
@@ -74,7 +75,7 @@ bool place_by_linear_ranges(Trajectory& t, const Segment& s, const SharedState& 
     receiver_z_m = state.receiver_p_vehicle_m[a.receiver.index()].z();
   }
   if (beacons < 3) return false;
-  // About the first beacon, so that the squares do not cancel.
+  // Relative to the first beacon, so that the squares do not cancel.
   const Eigen::Vector2d origin = heard[0].p_map_m.head<2>();
   Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
   Eigen::Vector3d rhs = Eigen::Vector3d::Zero();

@@ -8,18 +8,18 @@
 
 namespace octant {
 
-/// Pose of a stop by linear least squares, good enough to be settled from: the ranges to three and more
-/// beacons give
+/// Initial pose of a stop by linear least squares. The ranges to three or more beacons give
 ///   -2 b.p + |p|^2 = r^2 - |b|^2
-/// as in Figueroa and Mahajan (1994), then the ranges' differences give a correction and (cos, sin) of the
-/// heading. Synchronised clocks, one way; arrivals marked kTriangle take no part. False where the beacons do
-/// not tell (too few, in line); the node is then left as it is.
+/// as in Figueroa and Mahajan (1994). The differences between ranges then give a correction and (cos, sin) of
+/// the heading. Requires synchronised clocks and one-way ranging; arrivals marked kTriangle are ignored.
+/// Returns false and leaves the node unchanged if the beacons do not determine the pose (too few, or
+/// collinear).
 [[nodiscard]] bool place_by_linear_ranges(Trajectory& trajectory, const Segment& segment,
                                           const SharedState& state, const std::vector<bool>& beacon_usable);
 
-/// Marks kTriangle what came to a receiver over a detour: its range is longer than that of another receiver
-/// from the same beacon and their distance together (triangle inequality), by more than so many sigmas. One
-/// vehicle state, up to 200 arrivals. Returns whether there were any.
+/// Marks arrivals that came to a receiver by a detour as kTriangle: the range exceeds that of another
+/// receiver from the same beacon plus the distance between the receivers (triangle inequality) by more than a
+/// number of sigmas. For one vehicle state with up to 200 arrivals. Returns true if there were any.
 [[nodiscard]] bool reject_detours(Trajectory& trajectory, const Segment& segment, const SharedState& state,
                                   double sigmas);
 

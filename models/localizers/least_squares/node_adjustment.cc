@@ -14,7 +14,7 @@
 namespace octant {
 namespace {
 
-constexpr double kReadmitShare = 0.85;  ///< hysteresis, so that the rejections come to rest
+constexpr double kReadmitShare = 0.85;  ///< hysteresis, so that the marks converge
 
 struct NormalEquations {
   NodeBlock H;
@@ -22,7 +22,7 @@ struct NormalEquations {
   double cost = 0.0;
 };
 
-/// The bias of one beacon while its arrivals are summed up.
+/// Bias of one beacon while its arrivals are accumulated.
 struct Bias {
   BeaconId beacon;
   NodeVector coupling;
@@ -36,8 +36,7 @@ void eliminate(const Bias& bias, NormalEquations& eq) {
   eq.cost -= 0.5 * bias.gradient * bias.gradient / bias.information;
 }
 
-/// Rows of one beacon are not neighbours in the log, so with biases the arrivals are visited beacon by
-/// beacon.
+/// Rows of one beacon are not adjacent in the log, so with biases the arrivals are visited by beacon.
 void add_biased_arrivals(const Trajectory& t, const Segment& segment, const SharedState& state,
                          double uncertainty_m, NormalEquations& eq) {
   const int n = t.block_size();
@@ -65,7 +64,7 @@ void add_biased_arrivals(const Trajectory& t, const Segment& segment, const Shar
   }
 }
 
-/// The arrivals of a planar node, without rows.
+/// Adds the arrivals of a planar node without forming rows.
 void add_planar_arrivals(const Trajectory& t, const Segment& segment, const SharedState& state,
                          NormalEquations& eq) {
   const PlanarNode at(t.nodes[segment.first_node].T_map_vehicle);
@@ -93,7 +92,7 @@ void add_planar_arrivals(const Trajectory& t, const Segment& segment, const Shar
   eq.cost += 0.5 * squares;
 }
 
-/// Bearings of a beacon that is off by the uncertainty are off by the uncertainty over its distance.
+/// A beacon with a position error gives a bearing error of this uncertainty over its distance.
 double bearing_weight(const Trajectory& t, const BearingObservation& b, const SharedState& state,
                       double uncertainty_m) {
   if (uncertainty_m == 0.0) return 1.0;
@@ -141,8 +140,8 @@ NodeAdjustment adjust_node(Trajectory& t, const Segment& segment, const SharedSt
   for (int k = 0; k < max_iterations && !out.converged; ++k) {
     NodeBlock A = eq.H;
     A.diagonal() *= 1.0 + lambda;
-    // Rotations that nothing observes (a single antenna on the axis) stay where they are: 1/pi^2 is no
-    // knowledge at all.
+    // Unobserved rotations (a single antenna on the axis) stay unchanged; information of 1/pi^2 is
+    // negligible.
     add_vague_angles(t.motion, A);
     A.diagonal().array() += 1e-12 * (1.0 + A.diagonal().maxCoeff());
     const NodeVector step = -Eigen::LDLT<NodeBlock>(A).solve(eq.g);
@@ -157,7 +156,7 @@ NodeAdjustment adjust_node(Trajectory& t, const Segment& segment, const SharedSt
       lambda = lambda < 1e-6 ? 0.0 : 0.1 * lambda;
     } else {
       node = before;
-      out.converged = gain <= 1e-8 * (1.0 + eq.cost);  // nothing to gain but rounding
+      out.converged = gain <= 1e-8 * (1.0 + eq.cost);  // remaining gain is rounding error
       lambda = std::max(10.0 * lambda, 1e-3);
     }
   }
@@ -185,7 +184,8 @@ double allowed_residual_m(const Trajectory& t, const ArrivalObservation& a, cons
 
 namespace {
 
-/// Residual of each arrival in metres, and of its beacon the middle one (the lower of two: echoes are late).
+/// Residual of each arrival in metres, and the median residual of its beacon (the lower one of two, because
+/// echoes are late).
 struct NodeResiduals {
   std::pmr::vector<double> own_m{scratch()}, beacon_m{scratch()};
 };
@@ -209,8 +209,8 @@ NodeResiduals node_residuals_of(const Trajectory& t, const Segment& segment, con
   return out;
 }
 
-/// Slack is a beacon's, so its arrivals may be off together by much and among themselves by little: the
-/// noise, and what the lever arm makes of a direction that is off.
+/// The allowance belongs to the beacon: its arrivals may deviate together by much, but among themselves only
+/// by noise and by the effect of a wrong direction on the lever arm.
 bool agrees_with_its_beacon(const Trajectory& t, const ArrivalObservation& a, const EpochFixModel& model,
                             double range_uncertainty_m, double sigmas, double off_m) {
   const Eigen::Vector3d& lever = model.state.receiver_p_vehicle_m[a.receiver.index()];
@@ -225,7 +225,7 @@ bool agrees_with_its_beacon(const Trajectory& t, const ArrivalObservation& a, co
 bool reject_arrivals(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                      double range_uncertainty_m, double sigmas) {
   bool changed = false;
-  // Along a drive a beacon's error shows from ever other sides: nothing that its arrivals have in common.
+  // Along a drive the error of a beacon appears from changing directions, so its arrivals share no error.
   const bool common = range_uncertainty_m > 0 && segment.last_node - segment.first_node == 1;
   const NodeResiduals residuals = common ? node_residuals_of(t, segment, model.state) : NodeResiduals{};
   const bool plain =
@@ -242,7 +242,7 @@ bool reject_arrivals(Trajectory& t, const Segment& segment, const EpochFixModel&
                                                : arrival_residual(t, a, model.state));
     const bool was_used = a.rejection == Rejection::kUsed;
     const double within = sigmas * (was_used ? 1.0 : kReadmitShare);
-    // What lies within its own noise needs no look at what else it may be off by.
+    // Residuals within noise need no further test.
     bool use = std::abs(residual_m) <= within * noise_m ||
                std::abs(residual_m) <= allowed_residual_m(t, a, model, range_uncertainty_m, within);
     if (use && common) {

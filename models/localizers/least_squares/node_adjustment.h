@@ -10,29 +10,29 @@
 
 namespace octant {
 
-/// Result of adjusting one node by plain least squares.
+/// Result of the least-squares adjustment of one node.
 struct NodeAdjustment {
   bool converged = false;
-  double cost = 0.0;      ///< half the weighted sum of squares of the arrivals in use
-  NodeBlock information;  ///< of the node's state, tangent of Motion (and cycle offset in metres)
+  double cost = 0.0;  ///< half the weighted sum of squared residuals
+  NodeBlock
+      information;  ///< information of the node's state in the tangent of Motion (and cycle offset in metres)
 };
 
-/// Plain least squares (Levenberg-Marquardt) on the node of a one-node segment, arrivals marked rejected left
-/// out. Where beacons are known only to range_uncertainty_m, each has a bias of that sigma, eliminated
-/// beforehand: it is common to the beacon's arrivals, so that the heading still follows from what they differ
-/// by.
+/// Least-squares adjustment (Levenberg-Marquardt) of the node of a one-node segment, without rejected
+/// arrivals. Beacons known to range_uncertainty_m have a bias with that sigma each, common to their arrivals
+/// and eliminated, so that the heading still follows from differences between arrivals.
 [[nodiscard]] NodeAdjustment adjust_node(Trajectory& trajectory, const Segment& segment,
                                          const SharedState& state, double range_uncertainty_m,
                                          int max_iterations = 100);
 
-/// Largest residual, in metres, that an arrival may have at the given sigmas: noise, calibration and
-/// uncertainty together.
+/// Largest acceptable residual of an arrival, in metres, for the given number of sigmas of noise, calibration
+/// and uncertainty.
 [[nodiscard]] double allowed_residual_m(const Trajectory& trajectory, const ArrivalObservation& arrival,
                                         const EpochFixModel& model, double range_uncertainty_m,
                                         double sigmas);
 
-/// Marks the arrivals of the segment by their residuals at the node's state: out beyond `sigmas`, back in
-/// below 0.85 of it. Returns whether any mark has changed.
+/// Marks the arrivals of the segment by their residuals at the node's state: rejected beyond `sigmas`,
+/// accepted again below 0.85 of it. Returns true if any mark changed.
 bool reject_arrivals(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                      double range_uncertainty_m, double sigmas);
 

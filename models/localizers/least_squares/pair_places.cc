@@ -13,16 +13,17 @@ namespace octant {
 namespace {
 
 constexpr double kNoiseSigmas = 4.0;
-constexpr double kFlatCutSine = 1e-3;  ///< sine of the angle at which circles cut, that tells nothing
-constexpr double kMostReach = 0.2;  ///< of the nearer beacon's distance, within which ranges are about linear
-constexpr Eigen::Index kFewSectors = 3;  ///< narrower ones pay where few are left
+constexpr double kFlatCutSine = 1e-3;  ///< smallest sine of the angle at which circles intersect
+constexpr double kMostReach =
+    0.2;  ///< share of the distance of the nearer beacon within which ranges are nearly linear
+constexpr Eigen::Index kFewSectors = 3;  ///< with few sectors left, narrower ones are worthwhile
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 Eigen::Vector2d from_beacon(const PairPlace& place, const SearchRange& r) {
   return {place.x_m - r.p_beacon_map_m.x(), place.y_m - r.p_beacon_map_m.y()};
 }
 
-/// What the lever arm adds to a range, horizontal direction u, with the heading's cosine and sine.
+/// Contribution of the lever arm to a range in horizontal direction u, by cosine and sine of the heading.
 Eigen::RowVector2d lever_by_turn(const SearchRange& r, const Eigen::Vector2d& u) {
   return {u.x() * r.p_lever_m.x() + u.y() * r.p_lever_m.y(),
           u.y() * r.p_lever_m.x() - u.x() * r.p_lever_m.y()};
@@ -41,7 +42,7 @@ PairPlaces::PairPlaces(const SearchProblem& problem, const Consensus& consensus,
     sectors_.cosine[k] = std::cos(heading);
     sectors_.sine[k] = std::sin(heading);
   }
-  // One heading alone is tried where none matters.
+  // If the heading has no effect, only one is tried.
   sectors_.half_width_rad = count > 1 ? std::numbers::pi / static_cast<double>(count) : 0.0;
   finer_.half_width_rad = sectors_.half_width_rad / kFiner;
   for (int k = 0; k < kFiner; ++k)
@@ -58,7 +59,7 @@ PairPlaces::PairPlaces(const SearchProblem& problem, const Consensus& consensus,
       if (r.range_m < problem.ranges[earliest_.back()].range_m) earliest_.back() = i;
       const double dz = r.p_lever_m.z() - r.p_beacon_map_m.z(), variance_m2 = consensus.variance_m2(i, group);
       const double flat_m = std::sqrt(std::max(r.range_m * r.range_m - dz * dz, 0.0));
-      // Noise and bias apart can cost less than both together, but not half of it.
+      // Noise and bias separately can cost less than both together, but at least half of it.
       const double apart = consensus.has_bias(group) ? 2.0 : 1.0;
       limits_.push_back({{r.p_beacon_map_m.x(), r.p_beacon_map_m.y(), flat_m},
                          dz * dz,
@@ -73,10 +74,10 @@ PairPlaces::PairPlaces(const SearchProblem& problem, const Consensus& consensus,
 double PairPlaces::least_score(const PairPlace& place, double bound) const {
   const double first_m = limits_[place.pair[0]].reach_m() + place.bend_m,
                second_m = limits_[place.pair[1]].reach_m() + place.bend_m;
-  // What all places cost, and on top of it what this one does.
+  // Cost common to all regions, plus the additional cost of this one.
   double total = discord_.total;
   for (std::size_t group = 0; group < problem_.groups() && total <= bound; ++group) {
-    // Where a beacon's arrivals agree, one tells of all; else all are needed to pass what they cost anyway.
+    // If a beacon's arrivals agree, one represents all; otherwise all are needed to exceed their common cost.
     const bool agree = discord_.cost[group] == 0.0;
     const std::size_t first = agree ? earliest_[group] : problem_.group_first[group],
                       last = agree ? first + 1 : problem_.group_first[group + 1];
@@ -107,20 +108,19 @@ PairPlace PairPlaces::place_on(const std::array<std::size_t, 2>& pair, int side,
   const double sine = u.x() * v.y() - u.y() * v.x(), across2 = 1.0 - std::abs(u.dot(v)),
                nearest_m = std::min(a.circle.radius_m, b.circle.radius_m);
   if (!(std::abs(sine) > kFlatCutSine && across2 > 0)) return place;
-  // The pose is where two strips cross: |u.d| <= reach, u the directions to both beacons.
+  // The pose lies in the intersection of two strips: |u.d| <= reach, with u the directions to both beacons.
   const double reach_m = std::max(a.reach_m(), b.reach_m()) * std::sqrt(2.0 / across2);
   if (!(reach_m < kMostReach * nearest_m)) return place;
   place.is_flat = place.is_long = false;
-  // Circles bend, so by more where it is far.
+  // Circles bend, so distant regions are larger.
   place.reach_m = reach_m * (1.0 + 1.5 * reach_m / nearest_m);
   place.bend_m = 0.5 * place.reach_m * place.reach_m / nearest_m;
   place.by_ranges << v.y() / sine, -u.y() / sine, -v.x() / sine, u.x() / sine;
   return place;
 }
 
-/// Where circles about touch: half their chord is at most what it may be when either circle is off by its
-/// reach.
-/// @return false where they do not meet even then
+/// Region where circles nearly touch: half their chord is at most that of circles displaced by their reach.
+/// @return false if they do not meet even then
 bool PairPlaces::flat_place(const std::array<std::size_t, 2>& pair, PairPlace& place) const {
   const Limit &a = limits_[pair[0]], &b = limits_[pair[1]];
   const double dx = b.circle.x_m - a.circle.x_m, dy = b.circle.y_m - a.circle.y_m, d2 = dx * dx + dy * dy;
@@ -147,9 +147,10 @@ std::optional<PairPlace> PairPlaces::narrowed(const PairPlace& flat, double boun
   const double r = a.circle.radius_m, e = a.reach_m();
   const Eigen::Vector2d to_middle(flat.x_m - a.circle.x_m, flat.y_m - a.circle.y_m);
   const double along_m = to_middle.norm();
-  // Else the lens goes round the beacon.
+  // Otherwise the region surrounds the beacon.
   if (!(flat.reach_m < along_m && flat.reach_m < r - e)) return flat;
-  // The lens is within reach across, and on the ring of the first range: discs cover that part of the ring.
+  // The region has the width of the reach and lies on the ring of the first range; discs cover that part of
+  // the ring.
   const double half_rad = std::asin(flat.reach_m / (r - e)) / kParts;
   const double disc_m = std::sqrt(e * e + 2.0 * r * (r + e) * (1.0 - std::cos(half_rad)));
   const PlanarTurn step(2.0 * half_rad);
@@ -172,7 +173,7 @@ std::optional<PairPlace> PairPlaces::narrowed(const PairPlace& flat, double boun
   if (least == kInfinite) return std::nullopt;
   part.x_m = 0.5 * (first.x_m + last.x_m);
   part.y_m = 0.5 * (first.y_m + last.y_m);
-  // From the chord's middle the arc is no further than from its ends.
+  // The arc is not farther from the middle of the chord than the chord's ends are.
   part.reach_m = 0.5 * std::hypot(last.x_m - first.x_m, last.y_m - first.y_m) + disc_m;
   part.is_long = !(part.reach_m < kMostReach * std::min(r, b.circle.radius_m));
   part.least_score = least;
@@ -201,7 +202,7 @@ std::pmr::vector<PairPlace> PairPlaces::within(std::span<const std::array<std::s
       add_within_bound(place);
     }
   }
-  // Where little is known comes last, when the bound is low.
+  // Uncertain regions come last, when the bound is low.
   std::ranges::sort(out, [](const PairPlace& a, const PairPlace& b) {
     if (a.is_flat != b.is_flat) return b.is_flat;
     return a.least_score != b.least_score ? a.least_score < b.least_score : a.reach_m < b.reach_m;
@@ -209,7 +210,7 @@ std::pmr::vector<PairPlace> PairPlaces::within(std::span<const std::array<std::s
   return out;
 }
 
-/// Both circles hold: u (move + lever) = 0 for both, u the directions from their beacons.
+/// Both circles are satisfied: u (move + lever) = 0 for both, with u the directions from their beacons.
 Eigen::Matrix2d PairPlaces::place_by_turn(const PairPlace& place) const {
   Eigen::Matrix2d levers;
   for (int k = 0; k < 2; ++k) {
@@ -251,8 +252,8 @@ bool PairPlaces::bound_scores(const PairPlace& place, double bound, Sectors& sec
   return true;
 }
 
-/// Splits the sectors within the bound and takes what the best part of each costs, since narrow sectors leave
-/// ranges less uncertainty.
+/// Splits the sectors within the bound and uses the lowest bound of the parts, since ranges are less
+/// uncertain in narrow sectors.
 bool PairPlaces::bound_finer_scores(const PairPlace& place, double bound) {
   const Eigen::Index within = (sectors_.least <= bound).count();
   if (sectors_.half_width_rad == 0.0 || within > kFewSectors) return true;

@@ -9,8 +9,9 @@ namespace octant {
 namespace {
 
 constexpr double kAgreeSigmas = 4.0;
-constexpr double kWidth2 = 0.01;        ///< beacons' scatter across to along, squared, that is a line
-constexpr std::size_t kMostSets = 600;  ///< of beacons left out
+constexpr double kWidth2 =
+    0.01;  ///< squared ratio of lateral to longitudinal spread below which beacons are collinear
+constexpr std::size_t kMostSets = 600;  ///< number of sets of excluded beacons
 
 /// What the arrivals of some beacons tell together.
 struct Agreement {
@@ -37,7 +38,7 @@ struct Agreement {
   }
 };
 
-/// Of one beacon's arrivals, those that agree with the pose, and with each other.
+/// Arrivals of one beacon that agree with the pose and with each other.
 Agreement agreement_of(const SearchProblem& problem, Consensus& consensus, const Discord& discord,
                        const PlanarState& state, std::size_t group) {
   Agreement agreed;
@@ -52,7 +53,7 @@ Agreement agreement_of(const SearchProblem& problem, Consensus& consensus, const
   return agreed;
 }
 
-/// Whether all but any `left_out` more of the beacons from `next` on tell one pose.
+/// Returns true if one pose remains without any `left_out` further beacons, from `next` on.
 bool is_one_pose_without_any(const std::pmr::vector<Agreement>& each, Agreement& rest, std::size_t next,
                              std::size_t left_out) {
   if (left_out == 0) return rest.is_one_pose();
@@ -65,7 +66,8 @@ bool is_one_pose_without_any(const std::pmr::vector<Agreement>& each, Agreement&
   return true;
 }
 
-/// By how much two ranges of a beacon differ more than their receivers are apart, in sigmas, squared.
+/// Squared excess, in sigmas, of the difference of two ranges of a beacon over the distance of their
+/// receivers.
 double excess_squared(const SearchRange& a, const SearchRange& b) {
   const double differ_m = std::abs(a.range_m - b.range_m);
   const double apart2 = (a.p_lever_m - b.p_lever_m).squaredNorm();
@@ -74,7 +76,8 @@ double excess_squared(const SearchRange& a, const SearchRange& b) {
   return excess_m * excess_m / (a.sigma_m * a.sigma_m + b.sigma_m * b.sigma_m);
 }
 
-/// The odd ones contradict all that agree with each other, two at least and more than they; else all are odd.
+/// Marks ranges that contradict the ones in agreement, if those are at least two and the majority; otherwise
+/// marks all.
 void flag_odd(std::size_t first, std::size_t last, const std::pmr::vector<std::size_t>& against,
               std::pmr::vector<char>& is_odd) {
   const std::size_t count = last - first;
@@ -89,8 +92,8 @@ void flag_odd(std::size_t first, std::size_t last, const std::pmr::vector<std::s
   for (std::size_t i = first; i < last && !clear; ++i) is_odd[i] = 1;
 }
 
-/// The earliest range of a beacon, since echoes are late, of those that are not odd; where all are, the
-/// second too.
+/// Earliest range of a beacon among those in agreement, since echoes are late; without agreement also the
+/// second one.
 std::array<std::size_t, 2> ends_of_pairs(const SearchProblem& problem, const Discord& discord,
                                          std::size_t group) {
   const std::size_t first = problem.group_first[group], last = problem.group_first[group + 1];
@@ -124,7 +127,7 @@ Discord discord_of(const SearchProblem& problem, const Consensus& consensus) {
         ++against[i];
         ++against[j];
         if (paired[i] != 0 || paired[j] != 0) continue;
-        // Both share what is too much, or one is an outlier; each arrival is counted in one pair only.
+        // Either both share the excess or one is an outlier. Each arrival is counted in one pair only.
         paired[i] = paired[j] = 1;
         discord.cost[group] += std::min(0.5 * excess2, consensus.least_caps(i, group).late);
       }
@@ -165,7 +168,7 @@ std::pmr::vector<std::array<std::size_t, 2>> covering_pairs(const SearchProblem&
   for (std::size_t group = 0; group < n; ++group) stand_for.push_back(ends_of_pairs(problem, discord, group));
   std::pmr::vector<std::array<std::size_t, 2>> out(scratch());
   out.reserve(n * (n - 1));
-  for (const bool dealt : {true, false})  // like cards, and cut like a pack of them
+  for (const bool dealt : {true, false})  // two different partitions: alternating, and contiguous
     for (std::size_t a = 0; a < n; ++a)
       for (std::size_t b = a + 1; b < n; ++b) {
         if (!(dealt ? a % sets == b % sets : sets > 1 && a * sets / n == b * sets / n)) continue;

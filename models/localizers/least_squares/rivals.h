@@ -11,45 +11,46 @@
 
 namespace octant {
 
-/// Different paths (beacon, receiver) that tell one pose from all others: a pose and four to spare.
+/// Number of different paths (beacon, receiver) that determine a pose uniquely: a pose with a redundancy of
+/// four.
 inline constexpr std::size_t kFewestPaths = 7;
-/// Of a heading that the arrivals tell.
+/// Sigma up to which the heading counts as determined.
 inline constexpr double kHeadingSigmaRad = 0.3;
 
-// A rival of a pose is another that explains the arrivals as well, or better: its score is at most the pose's
-// and a margin. What a beacon's arrivals contradict each other by costs any pose the same; each outlier
-// beside these, an arrival or a beacon in a shadow, costs a rival the cap at least, so
+// A rival of a pose is another pose that explains the arrivals equally well: its score is at most that of the
+// pose plus a margin. Contradictions among the arrivals of one beacon (discord) cost every pose the same.
+// Each further outlier, an arrival or a shadowed beacon, costs a rival at least the cap, so
 //   outliers <= (score + margin - discord) / cap
-// bounds them, and with them the beacons that they are of. All other beacons' arrivals agree with a rival, as
-// far as they agree with each other.
+// bounds their number and that of the beacons involved. The arrivals of all other beacons agree with a rival
+// as far as they agree with each other.
 
-/// What arrivals of one beacon at several receivers cost in any pose: two ranges differ by no more than what
-/// is between their receivers (triangle inequality), so where they do, one of them is an outlier.
+/// Costs that arise in any pose from arrivals of one beacon at several receivers. Two ranges differ by at
+/// most the distance between their receivers (triangle inequality); otherwise one of them is an outlier.
 struct Discord {
-  std::pmr::vector<double> cost{scratch()};  ///< of each beacon
-  /// Of each range: it is no part of the majority of its beacon's that agree with each other, or there is
-  /// none.
+  std::pmr::vector<double> cost{scratch()};  ///< cost of each beacon
+  /// Marks ranges outside the majority of their beacon's ranges that agree with each other, or all if there
+  /// is no majority.
   std::pmr::vector<char> is_odd{scratch()};
   double total = 0.0;
 };
 [[nodiscard]] Discord discord_of(const SearchProblem& problem, const Consensus& consensus);
 
-/// That bound for a pose of the given score, at the consensus' present width.
+/// The bound for a pose with the given score, at the current width of the consensus.
 [[nodiscard]] std::size_t most_outliers(const Consensus& consensus, const Discord& discord, double score,
                                         double margin);
 
-/// Whether no rival with so many outliers can exist: whichever beacons they are of, of the arrivals that
-/// agree with the pose those of the others, which agree with the rival too, are over kFewestPaths of three
-/// beacons that are not in line, and tell the heading; there is one pose alone that they agree on. False
-/// where that is not so, or where it would take long to tell.
+/// Returns true if no rival with this number of outliers exists. For every choice of the beacons with
+/// outliers, the other arrivals that agree with the pose cover more than kFewestPaths from three beacons that
+/// are not collinear, and determine the heading; only one pose satisfies them. Returns false otherwise, or if
+/// the test would take long.
 [[nodiscard]] bool excludes_rivals(const SearchProblem& problem, Consensus& consensus, const Discord& discord,
                                    const PlanarState& state, std::size_t outliers);
 
-/// Pairs of ranges of which one at least is without an outlier, whichever beacons so many outliers are of:
-/// all pairs within sets of beacons, n - outliers - 1 of them, as a clique of k is covered by k - 1 and no
-/// fewer. Twice, with other sets, as a pair may cut its circles flatly. A beacon whose arrivals contradict
-/// each other without a majority is in them by two of them.
-/// @param outliers  fewer than beacons less one
+/// Pairs of ranges such that at least one of them is free of outliers for any choice of beacons with
+/// outliers: all pairs within sets of n - outliers - 1 beacons, since covering a clique of k takes k - 1. Two
+/// different sets are used, because the circles of a pair may intersect at a small angle. A beacon with
+/// contradicting arrivals and no majority is represented by two of them.
+/// @param outliers  less than the number of beacons minus one
 [[nodiscard]] std::pmr::vector<std::array<std::size_t, 2>> covering_pairs(const SearchProblem& problem,
                                                                           const Discord& discord,
                                                                           std::size_t outliers);

@@ -21,17 +21,17 @@ double distance2(const PlanarState& a, const PlanarState& b, const Eigen::Matrix
   return d.dot(information * d);
 }
 
-constexpr double kScoreMargin = 4.0;   ///< what a pose that is not solved yet may still gain, of its score
-constexpr double kBetterScore = 2.0;   ///< by so much less a pose is another than one that is near it
-constexpr double kShadowWidth = 30.0;  ///< from how many sigmas on a pose is solved without a beacon
-/// An outlier of fewer sigmas may bend the pose that it is held against; of more it cannot.
+constexpr double kScoreMargin = 4.0;   ///< possible decrease of the score of a pose before it has converged
+constexpr double kBetterScore = 2.0;   ///< decrease of the score that makes a nearby pose a different one
+constexpr double kShadowWidth = 30.0;  ///< width in sigmas from which on a pose is solved without a beacon
+/// An outlier of few sigmas may distort the pose from which it is judged; a large one cannot.
 constexpr double kOutlierSigmas = 3.5, kLargeSigmas = 50.0;
 
 struct Refinement {
   double width_m = 0.0;
   std::size_t without_group = Consensus::kNone;
-  /// At the first width, and without the group: a score beyond it is given up, which is below any that a
-  /// narrower width finds there.
+  /// At the first width, and without the group: candidates with a score above it are dropped. Narrower widths
+  /// cannot fall below it there.
   double give_up = std::numeric_limits<double>::infinity();
 };
 
@@ -40,13 +40,13 @@ bool is_near(const PlanarState& a, const PlanarState& b, double within_m, double
          std::abs(wrap_angle(a.heading_rad - b.heading_rad)) * lever_m < within_m;
 }
 
-/// Enters a solved pose if it is not there already.
+/// Adds a solved pose unless it is known.
 void enter(Consensus& consensus, const PlanarState& state, const Eigen::Matrix4d& information,
            SearchResult& result) {
   const Candidate found{state, consensus.score(state)};
   if (!std::isfinite(found.score)) return;
   for (std::size_t i = 0; i < result.poses.size(); ++i) {
-    // The same place, come upon from two sides: keep the better.
+    // The same position reached from two sides: keep the better one.
     if (std::min(distance2(result.poses[i].state, state, result.information[i]),
                  distance2(state, result.poses[i].state, information)) > 9.0)
       continue;
@@ -60,13 +60,13 @@ void enter(Consensus& consensus, const PlanarState& state, const Eigen::Matrix4d
   result.information.push_back(information);
 }
 
-/// Whether a state that is near a known pose explains no more than that, at the present width: where the
-/// known one has a beacon in a shadow, the pose that all beacons agree on may lie within the width of it.
+/// Returns true if a state near a known pose does not explain more than that pose at the current width. If
+/// the known pose has a shadowed beacon, the pose that all beacons agree on may lie within the width of it.
 bool explains_no_more(Consensus& consensus, const PlanarState& state, const PlanarState& known) {
   return consensus.score(state) > consensus.score(known) - kBetterScore;
 }
 
-/// The first few steps of a candidate: whether it comes to a pose that is not known, and not given up.
+/// Runs the first steps of a candidate; returns true if it approaches a new pose and is not dropped.
 bool leads_to_new(const SearchProblem& problem, Consensus& consensus, PlanarState& state,
                   const Refinement& refinement, const SearchResult& result) {
   Consensus::Descent descent;
@@ -80,9 +80,8 @@ bool leads_to_new(const SearchProblem& problem, Consensus& consensus, PlanarStat
   return consensus.score(state) <= refinement.give_up;
 }
 
-/// Whether a state, narrowed down to the noise without a beacon, is within a sigma of a pose that is known
-/// and explains no more than that: where the known one has a beacon in a shadow, little else may tell the two
-/// apart.
+/// Returns true if a state, refined without a beacon, is within a sigma of a known pose and explains no more
+/// than that. If the known pose has a shadowed beacon, nothing else may distinguish them.
 bool leads_back(Consensus& consensus, const PlanarState& state, const SearchResult& result) {
   for (std::size_t i = 0; i < result.poses.size(); ++i)
     if (distance2(result.poses[i].state, state, result.information[i]) < 1.0)
@@ -90,7 +89,7 @@ bool leads_back(Consensus& consensus, const PlanarState& state, const SearchResu
   return false;
 }
 
-/// Narrows a candidate down to the noise and enters it.
+/// Refines a candidate to the noise level and adds it.
 void refine_into(const SearchProblem& problem, Consensus& consensus, PlanarState state,
                  const Refinement& refinement, SearchResult& result) {
   const bool bounded = std::isfinite(refinement.give_up);
@@ -131,7 +130,7 @@ void sort_by_score(SearchResult& result) {
   result = std::move(sorted);
 }
 
-/// Half a step of the heading moves the end of the longest lever arm by this much.
+/// Displacement of the end of the longest lever arm by half a step of the heading.
 double heading_width_m(const SearchProblem& problem, const SearchOptions& options) {
   return 0.5 * problem.lever_m * std::numbers::pi / std::max(options.headings, 1);
 }
@@ -141,7 +140,7 @@ TopList top_list(const SearchProblem& problem, const SearchOptions& options, dou
                  1.2 * 2 * std::numbers::pi / options.headings);
 }
 
-/// Where something does not fit the best pose, another beacon may be the one that is wrong: try without each.
+/// If something does not fit the best pose, another beacon may be the wrong one: tries without each of them.
 void try_without_each_beacon(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus,
                              SearchResult& result) {
   const double fits = 0.5 * static_cast<double>(problem.ranges.size()) + 3.0;
@@ -155,7 +154,7 @@ void try_without_each_beacon(const SearchProblem& problem, const SearchOptions& 
       options.bounded && !consensus.has_residual_between(best.state, kOutlierSigmas, kLargeSigmas);
   for (std::size_t group = 0; group < problem.groups(); ++group) {
     if (clear) {
-      // A few steps from the best tell whether there is anything without this beacon.
+      // A few steps from the best pose reveal whether there is another one without this beacon.
       PlanarState state = best.state;
       consensus.set_extra_sigma(0.0);
       consensus.refine(state, 1, group);
@@ -175,12 +174,12 @@ void try_without_each_beacon(const SearchProblem& problem, const SearchOptions& 
   sort_by_score(result);
 }
 
-constexpr std::size_t kFewPairs = 6;    ///< of which one most likely leads to a pose
-constexpr std::size_t kFewBeacons = 4;  ///< all pairs of these are few, so none is tried before the others
+constexpr std::size_t kFewPairs = 6;    ///< one of them most likely leads to a pose
+constexpr std::size_t kFewBeacons = 4;  ///< with so few beacons all pairs are tried at once
 
-/// Finds, of the poses that pairs leave, all that score within the bound: place by place, the most promising
-/// first, so that the bound is low soon. The places of pairs that a known pose explains lead to it: one of
-/// them is enough.
+/// Finds all poses that score within the bound among those that pairs allow. Regions are visited in order of
+/// their promise, so that the bound decreases early. Regions of pairs that a known pose explains lead to that
+/// pose, so one of them suffices.
 class Exploration {
  public:
   Exploration(const SearchProblem& problem, const SearchOptions& options, Consensus& consensus,
@@ -195,16 +194,16 @@ class Exploration {
     places_.emplace(problem, consensus, discord, problem.lever_m > 1e-6 ? options.headings : 1);
   }
 
-  /// Some pose, which then bounds the others.
+  /// Finds any pose, which then bounds the others.
   void find_one(std::span<const std::array<std::size_t, 2>> pairs) {
     visit_places(pairs.first(std::min(pairs.size(), kFewPairs)), true);
     if (result_.poses.empty()) visit_places(pairs, true);
     sort_by_score(result_);
   }
-  /// @param one_pose  what agrees with the best pose tells it from all others
+  /// @param one_pose  true if the arrivals in agreement with the best pose determine it uniquely
   void visit(std::span<const std::array<std::size_t, 2>> pairs, bool one_pose) {
     skip_known_ = one_pose;
-    // The bound was no lower when a pair was visited before.
+    // The bound was not lower when a pair was visited before.
     std::pmr::vector<std::array<std::size_t, 2>> fresh(scratch());
     fresh.reserve(pairs.size());
     for (const auto& pair : pairs)
@@ -220,7 +219,7 @@ class Exploration {
     consensus_.set_extra_sigma(std::hypot(width_m_, problem_.median_sigma_m));
     double lowest = std::numeric_limits<double>::infinity();
     for (const Candidate& pose : result_.poses) lowest = std::min(lowest, consensus_.score(pose.state));
-    std::pmr::vector<double> refined(scratch());  // scores of those that lowered the bound
+    std::pmr::vector<double> refined(scratch());  // scores of poses that lowered the bound
     for (PairPlace& place : places_->within(pairs, bound())) {
       if (place.least_score > bound()) continue;
       if (place.is_flat) {
@@ -232,7 +231,7 @@ class Exploration {
       consensus_.set_extra_sigma(std::hypot(width_m_, problem_.median_sigma_m));
       places_->propose(place, consensus_, bound(), top);
       if (top.list().empty() || !(top.list().front().score < lowest)) continue;
-      // The best so far may lower the bound for all that follow.
+      // The best pose so far may lower the bound for all others.
       lowest = top.list().front().score;
       refined.push_back(lowest);
       refine_at(top.list().front().state);
@@ -244,7 +243,7 @@ class Exploration {
         refine_at(candidate.state);
   }
 
-  /// Whether what agrees with the best pose tells it from all others.
+  /// Returns true if the arrivals in agreement with the best pose determine it uniquely.
   [[nodiscard]] bool best_is_one_pose() {
     const auto better = [](const Candidate& a, const Candidate& b) { return a.score < b.score; };
     const auto best = std::ranges::min_element(result_.poses, better);
@@ -253,7 +252,7 @@ class Exploration {
     return excludes_rivals(problem_, consensus_, discord_, best->state, 0);
   }
 
-  /// Of what is solved.
+  /// Bound from the poses that have been solved.
   [[nodiscard]] double bound() const {
     double best = std::numeric_limits<double>::infinity();
     for (const Candidate& pose : result_.poses) best = std::min(best, pose.score);
@@ -285,11 +284,11 @@ class Exploration {
   std::optional<PairPlaces> places_;
   std::pmr::vector<std::array<std::size_t, 2>> visited_{scratch()};
   bool skip_known_ = false;
-  bool known_seen_ = false;  ///< the headings at the pose that a start led to are tried once
+  bool known_seen_ = false;  ///< headings at the pose found from the start are tried only once
 };
 
-/// The search among known beacons: the best pose is found, from a start where there is one, and bounds what
-/// could be its rival.
+/// Search among known beacons: finds the best pose, starting from the expected one if given, and uses its
+/// score as a bound for rivals.
 SearchResult search_within_bounds(const SearchProblem& problem, const SearchOptions& options) {
   SearchResult result;
   Consensus consensus(problem);
@@ -313,7 +312,7 @@ SearchResult search_within_bounds(const SearchProblem& problem, const SearchOpti
     return most_outliers(consensus, discord, result.poses.front().score, options.margin);
   };
   if (const std::size_t expected = outliers(); !excluded_with(expected)) {
-    // First a few, which find the pose where the start has not.
+    // Tries few pairs first, which find the pose if the start has not.
     const std::size_t few = std::min(expected, beacons / 2 - 1);
     bool one_pose = excluded_with(0);
     if (one_pose || (expected + 2 > beacons && beacons > kFewBeacons)) {
@@ -321,7 +320,7 @@ SearchResult search_within_bounds(const SearchProblem& problem, const SearchOpti
       one_pose = excluded_with(0);
     }
     const std::size_t most = outliers();
-    // Where what agrees has a second pose even without any outliers, all depends on finding it.
+    // If the arrivals in agreement have a second pose even without outliers, it must be found.
     if (most + 2 > beacons || !one_pose)
       exploration.visit(choose_pairs(problem, most_pairs), one_pose);
     else if (most > few && !excluded_with(most))
@@ -339,7 +338,7 @@ SearchResult search_pose(const SearchProblem& problem, const SearchOptions& opti
   const bool by_pairs = !problem.has_offset && problem.groups() >= 2;
   if (options.bounded && by_pairs && problem.common_bias && problem.uncertainty_m == 0.0)
     result = search_within_bounds(problem, options);
-  // Where no two ranges go together the least bad pose is still told.
+  // If no two ranges are compatible, the best pose is still reported.
   if (!result.poses.empty()) return result;
   Consensus consensus(problem);
   double width_m = heading_width_m(problem, options);

@@ -46,7 +46,7 @@ void add_ranges(const Trajectory& trajectory, const Segment& segment, const Epoc
     const double speed = a.model_speed_mps + model.state.speed_offset(trajectory.run);
     r.sigma_m = std::hypot(a.sigma_s * speed / a.legs(), drift(path, a.node));
     if (model.state.attenuation && model.state.attenuation->directional() && !(a.log_amplitude_sigma > 0)) {
-      // From how far off the axis is not known here.
+      // The angle off the axis is not known here.
       r.sigma_m = std::hypot(r.sigma_m, speed * off_axis_walk_sigma_s(r.range_m, *model.state.attenuation,
                                                                       model.state.log_gain(a.beacon)));
     }
@@ -57,7 +57,7 @@ void add_ranges(const Trajectory& trajectory, const Segment& segment, const Epoc
   }
 }
 
-/// How far calibration may put all ranges to a beacon off, whatever the direction.
+/// Calibration sigma common to all ranges of a beacon, for any direction.
 double calibration_sigma_m(const EpochFixModel& model, BeaconId beacon, double range_m, double speed_mps) {
   if (beacon.index() >= model.beacon_covariance.size()) return 0.0;
   const auto& C = model.beacon_covariance[beacon.index()];
@@ -92,7 +92,7 @@ SearchProblem make_search_problem(const Trajectory& trajectory, const Segment& s
   problem.uncertainty_m = range_uncertainty_m;
   add_ranges(trajectory, segment, model, path, problem);
   add_bearings(trajectory, segment, model, path, problem);
-  // By the observation where the beacons are the same: a stable sort would take memory.
+  // Ordered by observation within a beacon; a stable sort would allocate.
   std::ranges::sort(problem.ranges, [](const SearchRange& a, const SearchRange& b) {
     return a.beacon != b.beacon ? a.beacon < b.beacon : a.observation < b.observation;
   });

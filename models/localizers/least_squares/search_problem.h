@@ -14,7 +14,7 @@
 
 namespace octant {
 
-/// Planar pose under test. The cycle offset is in metres, so that all unknowns of the search are of one size.
+/// Planar pose under test. The cycle offset is in metres, so that all unknowns have a similar scale.
 struct PlanarState {
   double x_m = 0.0;
   double y_m = 0.0;
@@ -25,10 +25,10 @@ struct PlanarState {
 /// An arrival reduced to geometry: |T lever - beacon| (+ offset) = range.
 struct SearchRange {
   Eigen::Vector3d p_beacon_map_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d p_lever_m = Eigen::Vector3d::Zero();  ///< receiver in the frame that is searched for
-  Eigen::Vector2d axis =
-      Eigen::Vector2d::Zero();             ///< horizontal direction of hearing in that frame; zero: all round
-  double hearing_cosine = kHearingCosine;  ///< what lies further off the axis is hardly heard
+  Eigen::Vector3d p_lever_m = Eigen::Vector3d::Zero();  ///< receiver in the frame of the pose
+  Eigen::Vector2d axis = Eigen::Vector2d::Zero();  ///< horizontal axis in that frame; zero: omnidirectional
+  double hearing_cosine =
+      kHearingCosine;  ///< limit of the cosine off the axis, beyond which reception is unlikely
   double range_m = 0.0;
   double sigma_m = 0.0;
   BeaconId beacon;
@@ -37,44 +37,45 @@ struct SearchRange {
 
 struct SearchBearing {
   Eigen::Vector2d p_reflector_map_m = Eigen::Vector2d::Zero();
-  Eigen::Vector2d p_lever_m = Eigen::Vector2d::Zero();  ///< sensor in the frame that is searched for
+  Eigen::Vector2d p_lever_m = Eigen::Vector2d::Zero();  ///< sensor in the frame of the pose
   double bearing_rad = 0.0;                             ///< in that frame
   double sigma_rad = 0.01;
 };
 
-/// What the search for a pose looks at: delays, speed and time-walk are taken out beforehand, so that a
-/// candidate costs a square root an arrival.
+/// Input of the search for a pose. Delays, speed and time-walk are removed beforehand, so that a candidate
+/// costs one square root for each arrival.
 struct SearchProblem {
   std::pmr::vector<SearchRange> ranges{scratch()};  ///< sorted by beacon
   std::pmr::vector<std::size_t> group_first{
       scratch()};  ///< first range of each beacon, and one past the last
   std::pmr::vector<double> group_bias_m{
-      scratch()};  ///< sigma of what each beacon's ranges are off by together: uncertainty and calibration
+      scratch()};  ///< common sigma of each beacon's ranges: uncertainty and calibration
   std::pmr::vector<SearchBearing> bearings{scratch()};
   bool has_offset = false;
-  /// Arrivals of one beacon share its error of position and an obstacle's detour: true within a stationary
-  /// epoch.
+  /// True within a stationary epoch: the arrivals of one beacon share its position error and the detour of a
+  /// shadow.
   bool common_bias = true;
   double uncertainty_m = 0.0;
-  double speed_mps = 1.0;  ///< by which times became ranges, of the middle arrival
+  double speed_mps = 1.0;  ///< speed that converted the times, of the middle arrival
   double span_m = 1.0;     ///< longest range
   double lever_m = 0.0;    ///< longest horizontal lever arm
   double median_sigma_m = 0.0;
 
   [[nodiscard]] std::size_t groups() const { return group_first.empty() ? 0 : group_first.size() - 1; }
-  /// The data tell the heading: a lever arm that counts against the noise, an axis, or a bearing.
+  /// Returns true if the data determine the heading: by a lever arm that is significant against the noise, an
+  /// axis, or a bearing.
   [[nodiscard]] bool sees_heading() const { return lever_m > 1e-6 || !bearings.empty(); }
 };
 
-/// The frames of a stretch of odometry in the frame of its anchor, and how far they may have drifted.
+/// Poses of a part of the odometry relative to its anchor, and their drift.
 struct RigidPath {
   std::size_t first_node = 0;
-  std::pmr::vector<Pose> T_anchor_node{scratch()};  ///< empty: all observations are of the anchor itself
-  std::pmr::vector<double> drift_m{scratch()};      ///< sigma, one for each node
+  std::pmr::vector<Pose> T_anchor_node{scratch()};  ///< empty: all observations refer to the anchor itself
+  std::pmr::vector<double> drift_m{scratch()};      ///< sigma for each node
 };
 
-/// Reduces the usable arrivals and bearings of a segment. Two-way paths get the mean of both lever arms:
-/// their curvature is left to the adjustment that follows.
+/// Reduces the usable arrivals and bearings of a segment. Two-way paths get the mean of both lever arms; the
+/// remaining curvature is left to the adjustment.
 [[nodiscard]] SearchProblem make_search_problem(const Trajectory& trajectory, const Segment& segment,
                                                 const EpochFixModel& model, double range_uncertainty_m,
                                                 const RigidPath& path = {});

@@ -18,7 +18,7 @@
 namespace octant {
 
 LinearPositions linear_positions(const SearchProblem& problem) {
-  constexpr double kRankShare = 1e-6;  // of eigenvalues: a thousandth of the singular values
+  constexpr double kRankShare = 1e-6;  // relative eigenvalue: a thousandth of the singular values
   const double n = static_cast<double>(problem.ranges.size());
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   double mean_range2 = 0.0, mean_norm2 = 0.0, mean_range = 0.0;
@@ -48,7 +48,7 @@ LinearPositions linear_positions(const SearchProblem& problem) {
   const Eigen::Vector3d p = solution.head<3>();
   LinearPositions out{{centre + p, centre + p}, 1};
   if (!problem.has_offset && rank == 2) {
-    // Eigenvectors of what is known span the beacons' plane.
+    // Eigenvectors of the determined directions span the beacons' plane.
     const Eigen::Vector3d across = eigen.eigenvectors().col(3).head<3>(),
                           along = eigen.eigenvectors().col(2).head<3>();
     const Eigen::Vector3d normal = across.cross(along).normalized();

@@ -12,26 +12,28 @@
 
 namespace octant {
 
-/// Positions to begin from; one, or one on either side of the beacons' plane.
+/// Initial positions: one, or one on each side of the beacons' plane.
 struct LinearPositions {
   std::array<Eigen::Vector3d, 2> p_map_m;
   std::size_t count = 0;
 };
-/// |p - b|^2 = (range - o)^2, one equation subtracted from the others: linear in p (and o), lever arms
-/// neglected. Beacons in a plane leave the distance from it open, which the minimum norm about their centre
-/// sets to zero; both sides are told. By normal equations: a start needs half the digits.
+/// Linear multilateration: |p - b|^2 = (range - o)^2, with one equation subtracted from the others, is linear
+/// in p (and o) if lever arms are neglected. For coplanar beacons the distance from the plane is undetermined
+/// in the minimum-norm solution, and both sides are returned. Normal equations suffice, since an initial
+/// value needs half the digits.
 [[nodiscard]] LinearPositions linear_positions(const SearchProblem& problem);
 
-/// The rotations of the cube: none is further than 63 degrees away, most are within 45.
+/// Rotations of the cube: every rotation is within 63 degrees of one of them, most within 45.
 inline constexpr std::size_t kCoarseRotations = 24;
 [[nodiscard]] std::array<Eigen::Quaterniond, kCoarseRotations> coarse_rotations();
 
-/// By more than a distance, or a tenth of a radian.
+/// Returns true if two poses differ by more than a distance or a tenth of a radian.
 [[nodiscard]] bool differs(const Pose& a, const Pose& b, double distance_m);
 
-/// Start of a spatial fix (6 degrees of freedom): the origin by linear multilateration with the lever arms
-/// neglected, a coarse set of rotations, each solved under a one-sided loss; the best by its cost. Sets the
-/// node; found is false where the arrivals are too few. Returns whether a distinct second pose is as good.
+/// Initial pose of a spatial fix (six degrees of freedom): position by linear multilateration without lever
+/// arms, combined with a coarse set of rotations, each solved under a one-sided loss. Sets the node to the
+/// best solution; found is false if there are too few arrivals. Returns true if a distinct second pose is
+/// equally good.
 [[nodiscard]] bool start_spatial(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                                  const EpochFixOptions& options, bool& found);
 

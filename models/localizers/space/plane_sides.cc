@@ -12,16 +12,16 @@
 namespace octant {
 namespace {
 
-/// Of the log likelihood, by which sides are likelier; more where the whole track would change its side,
-/// which was presumed and of which only the beacons' heights tell, as well as these are known.
+/// Thresholds of the log likelihood for changing sides. The one for the whole track is higher: its side was
+/// assumed, and only the heights of the beacons determine it, as accurately as they are known.
 constexpr double kClear = 0.5, kWholeTrack = 6.0;
 
 bool goes_below_zero(const std::vector<SpaceStep>& steps) {
   return std::ranges::any_of(steps, [](const SpaceStep& s) { return s.smoothed.x[2] < 0.0; });
 }
 
-/// Steps at which the track may go through the plane, nearest to it of their surroundings; the first step and
-/// the end stand before and behind them.
+/// Steps at which the track may pass through the plane, the local minima of the distance, between the first
+/// step and the end.
 std::vector<std::size_t> pieces_of(const std::vector<SpaceStep>& steps, const BeaconPlane& plane,
                                    double gate_sigmas) {
   std::vector<std::size_t> at = {0};
@@ -55,11 +55,11 @@ class Sides {
   }
 
  private:
-  /// Which pieces are to be reflected; empty: none.
+  /// Pieces to be reflected; empty if there are no such pieces.
   std::vector<bool> likeliest_turns() {
     const std::size_t pieces = at_.size() - 1;
-    // most[s]: of the pieces so far, the last one as it is (0) or reflected (1); from: what the one before it
-    // is then.
+    // most[s]: best value of the pieces so far with the last one unchanged (0) or reflected (1); from: the
+    // corresponding side of the piece before.
     std::array<double, 2> most{};
     std::vector<std::array<std::size_t, 2>> from;
     if (pieces == 1)
@@ -90,14 +90,15 @@ class Sides {
       if (turned[p]) count += at_[p + 1] - at_[p];
       if (p > 0) side = from[p - 1][side];
     }
-    // Motion tells which pieces are on one side, the beacons' heights alone which side that is.
+    // Motion determines which pieces are on the same side, but only the heights of the beacons determine that
+    // side.
     const bool tells = heights_decide();
     if (count == steps_.size() && !(tells && gain > kWholeTrack)) return {};
     if (!tells && 2 * count > steps_.size()) turned.flip();
     return turned;
   }
 
-  /// Whether the beacons are farther off their plane than that is known.
+  /// Returns true if the beacons deviate from their plane by more than the accuracy of their heights.
   [[nodiscard]] bool heights_decide() const {
     constexpr double kSigmas = 3.0;
     double sum_m2 = 0.0;
@@ -111,7 +112,8 @@ class Sides {
       s.smoothed.x.head<3>() -= 2 * setting_.plane.height_m(s.smoothed.x.head<3>()) * setting_.plane.normal;
   }
 
-  /// Of the arrivals of steps [begin, end), those before and from `passage` on reflected or not.
+  /// Log likelihood of the arrivals of steps [begin, end) with the parts before and after `passage` reflected
+  /// or not.
   double likelihood(std::size_t begin, std::size_t end, std::size_t passage,
                     std::array<std::size_t, 2> reflected) {
     std::vector<SpaceStep> about(steps_.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -119,7 +121,7 @@ class Sides {
     const std::size_t before = passage > begin ? passage - begin : 0;
     if (reflected[0] == 1) reflect(std::span(about).first(before));
     if (reflected[1] == 1) reflect(std::span(about).subspan(before));
-    // It begins in the plane, so that neither side is nearer.
+    // Starts in the plane, so that neither side is preferred.
     const Eigen::Vector3d place = steps_[begin].smoothed.x.head<3>();
     const Eigen::Vector3d start = place - setting_.plane.height_m(place) * setting_.plane.normal;
     SpaceFilter part(ranges_, setting_, first_ + begin, start, density_);
@@ -132,7 +134,7 @@ class Sides {
   std::size_t first_;
   double density_;
   const std::vector<SpaceStep>& steps_;
-  std::vector<std::size_t> at_;  ///< where pieces begin, and the end
+  std::vector<std::size_t> at_;  ///< beginnings of the pieces, and the end
 };
 
 }  // namespace

@@ -12,9 +12,10 @@
 namespace octant {
 namespace {
 
-constexpr Eigen::Index kMostCalibrated = 200;  ///< parameters that are followed through the smoother
+constexpr Eigen::Index kMostCalibrated = 200;  ///< number of parameters that the smoother follows
 constexpr std::size_t kRecent = 20,
-                      kLost = 14;  ///< so many of the latest arrivals rejected: the place is lost
+                      kLost =
+                          14;  ///< number of rejections among the latest arrivals at which the track is lost
 
 bool is_candidate(const SpaceRange& r) {
   return r.rejection == Rejection::kUsed || r.rejection == Rejection::kLate ||
@@ -113,7 +114,7 @@ Eigen::MatrixXd SpaceFilter::predict(double dt) {
   return F;
 }
 
-/// The vehicle does not leave the site: without this a height that coplanar beacons hardly tell would drift
+/// Keeps the vehicle within the site: otherwise a height that coplanar beacons hardly determine would drift
 /// away with the velocity.
 void SpaceFilter::hold_within_site(double dt) {
   since_held_s_ += dt;
@@ -138,7 +139,7 @@ void SpaceFilter::correct(const Eigen::VectorXd& H, double innovation, double va
   now_.M += K * (by_calibration.transpose() - H.transpose() * now_.M);
 }
 
-/// @return whether the arrival agrees
+/// @return true if the arrival agrees
 bool SpaceFilter::update(SpaceRange& r, std::size_t k) {
   const bool again = k < about_.size();
   const Eigen::Vector3d p = again ? Eigen::Vector3d(about_[k].head<3>()) : Eigen::Vector3d(now_.x.head<3>());
@@ -159,7 +160,7 @@ bool SpaceFilter::update(SpaceRange& r, std::size_t k) {
   return true;
 }
 
-/// Derivative of range less distance by the calibrated parameters.
+/// Derivative of range minus distance by the calibrated parameters.
 Eigen::VectorXd SpaceFilter::by_calibration(const SpaceRange& r, const Eigen::Vector3d& u) const {
   Eigen::VectorXd by = Eigen::VectorXd::Zero(now_.M.cols());
   if (by.size() == 0) return by;

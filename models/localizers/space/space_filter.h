@@ -13,7 +13,8 @@
 
 namespace octant {
 
-/// Mean and covariance of position, velocity and biases, and how the mean follows the calibrated parameters.
+/// Mean and covariance of position, velocity and biases, and the sensitivity of the mean to the calibrated
+/// parameters.
 struct SpaceBelief {
   Eigen::VectorXd x;
   Eigen::MatrixXd P, M;
@@ -23,23 +24,23 @@ struct SpaceStep {
   Eigen::MatrixXd F;
 };
 
-/// Extended Kalman filter and smoother (Rauch, Tung and Striebel 1965) over consecutive instants, under
+/// Extended Kalman filter and smoother (Rauch, Tung and Striebel 1965) over consecutive instants, with
 /// white-noise acceleration.
 class SpaceFilter {
  public:
-  /// @param density  of the acceleration [m^2/s^3]
+  /// @param density  spectral density of the acceleration [m^2/s^3]
   SpaceFilter(SpaceRanges& ranges, const SpaceSetting& setting, std::size_t first,
               const Eigen::Vector3d& start, double density);
 
-  /// Filters on to the instant `end`, or until the place is lost; marks the ranges on the way. Linearises
-  /// where the track was smoothed before, else where it goes.
-  /// @return the instant behind the last one
+  /// Filters up to the instant `end`, or until the track is lost, and marks the ranges. Linearises at the
+  /// smoothed track if there is one, else at the prediction.
+  /// @return one past the last filtered instant
   std::size_t filter(std::size_t end);
   void smooth();
-  /// Filters up to `end` and smooths, again and again, each time linearised where the track was before.
-  /// @return the log likelihood of the arrivals; -infinity where the place was lost on the way
+  /// Filters up to `end` and smooths repeatedly, each time linearised at the previous track.
+  /// @return log likelihood of the arrivals; -infinity if the track was lost
   double iterate(std::size_t end);
-  /// The next filter() linearises at these steps.
+  /// Sets the steps at which the next filter() linearises.
   void linearise_at(const std::vector<SpaceStep>& steps);
 
   [[nodiscard]] double likelihood() const { return likelihood_; }

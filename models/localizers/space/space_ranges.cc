@@ -18,12 +18,13 @@
 namespace octant {
 namespace {
 
-constexpr std::size_t kMostBiases = 24;  ///< beacons with a Gauss-Markov state of their own
-constexpr double kSearch_s = 2.0;        ///< longest stretch that a place is searched in
-constexpr double kCoplanar = 0.05;  ///< off their plane, of the beacons' extent: ranges do not tell the sides
-constexpr double kAlike = 6.0;      ///< in half squares: two places explain the arrivals alike
+constexpr std::size_t kMostBiases = 24;  ///< largest number of beacons with their own Gauss-Markov state
+constexpr double kSearch_s = 2.0;        ///< longest time over which a position is searched
+constexpr double kCoplanar =
+    0.05;  ///< relative to the extent of the beacons: ranges do not distinguish the sides
+constexpr double kAlike = 6.0;  ///< in half squares: two positions explain the arrivals equally well
 
-/// Place of a vehicle that hardly moves: robust Gauss-Newton from points around the beacons.
+/// Position of a nearly stationary vehicle: robust Gauss-Newton from points around the beacons.
 class PlaceSearch {
  public:
   PlaceSearch(const SpaceRanges& ranges, std::size_t first, std::size_t last, const SpaceSetting& setting)
@@ -52,13 +53,13 @@ class PlaceSearch {
   }
 
  private:
-  /// Of two mirror images: above the floor, and below the beacons.
+  /// Prefers, of two mirror images, the one above the floor and below the beacons.
   [[nodiscard]] bool is_likelier(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const {
     if ((a.z() >= 0) != (b.z() >= 0)) return a.z() >= 0;
     return a.z() >= 0 && a.z() < b.z() - 0.01 * setting_.extent_m;
   }
 
-  /// @return half the robust squares at the place that p becomes
+  /// @return half the robust sum of squares at the position that p converges to
   double descend(Eigen::Vector3d& p) const {
     double cost = INFINITY, damping = 1e-3;
     for (int round = 0; round < 60; ++round) {
@@ -90,12 +91,11 @@ class PlaceSearch {
       if (r.rejection != Rejection::kUsed) continue;
       const Eigen::Vector3d d = p - r.p_beacon_m;
       const double length = std::max(1e-9, d.norm()), residual = length - r.distance.range_m;
-      // Within the stretch the vehicle moves by some of its speed's sigma; errors that last do not average
-      // out.
+      // The vehicle may move by a share of the speed's sigma in this time; lasting errors do not average out.
       const double moved = 0.1 * setting_.options.speed_sigma_mps *
                            (ranges_.all[last_ - 1].arrival.time_s - ranges_.all[first_].arrival.time_s);
       const Eigen::Vector3d u = d / length;
-      // How far a beacon lies off the plane tells the mirror images apart, as well as that is known.
+      // The deviation of a beacon from the plane distinguishes mirror images, within its accuracy.
       const double off_plane =
           square(u.dot(setting_.plane.normal)) * setting_.off_plane_m2[r.arrival.beacon.index()];
       const double variance = r.variance_m2 + square(setting_.bias_sigma_m) + square(moved) + off_plane;
@@ -162,7 +162,7 @@ SpaceSetting::SpaceSetting(const Deployment& d, const SpaceTrackOptions& o)
   const CorrelatedNoise& errors = d.correlated_noise;
   bias_sigma_m = c * std::hypot(errors.sigma_s, errors.pair_sigma_s);
   range_sigma_m = std::hypot(c * d.noise.tof_sigma_s, bias_sigma_m);
-  // Both parts in one state: it forgets as its larger part does.
+  // One state for both parts, with the correlation time of the larger one.
   const double lasting =
       square(errors.pair_sigma_s) / std::max(1e-300, square(errors.pair_sigma_s) + square(errors.sigma_s));
   bias_time_s = std::max(1e-3, errors.time_s) / std::max(1e-3, 1.0 - lasting);
@@ -213,7 +213,7 @@ SpaceRange range_of(const Arrival& a, const SpaceSetting& setting) {
   if (d.beacons[a.beacon.index()].status == BeaconStatus::kUndetermined)
     r.rejection = Rejection::kBeaconUnusable;
   if (!std::isfinite(r.distance.range_m)) r.rejection = Rejection::kOutOfRange;
-  // A receiver off the centre is somewhere on a sphere about it.
+  // A receiver off the centre lies on a sphere around it.
   r.variance_m2 =
       square(r.distance.sigma_m) +
       open_attitude_variance_m2(d.receivers[a.receiver.index()].position_m - setting.p_centre_vehicle_m);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to the track of a vehicle in space: arrivals as ranges, and a first place from them.
+// Private to the track of a vehicle in space: ranges of arrivals, and an initial position from them.
 
 #include <cstddef>
 #include <cstdint>
@@ -22,7 +22,7 @@ struct SpaceRange {
   Arrival arrival;
   ArrivalRange distance;
   Eigen::Vector3d p_beacon_m;
-  double variance_m2 = 0.0;  ///< white, with what the attitude may put the receiver off
+  double variance_m2 = 0.0;  ///< white noise, including the unknown attitude of the lever arm
   Rejection rejection = Rejection::kUsed;
 };
 
@@ -32,40 +32,41 @@ struct SpaceInstant {
   std::size_t first = 0, last = 0;  ///< its ranges
 };
 
-/// The plane that beacons lie in, or come nearest to.
+/// Best-fitting plane of the beacons.
 struct BeaconPlane {
-  bool coplanar = false;  ///< so that it leaves a mirror image
-  double off_m = 0.0;     ///< of the beacons from it, root of the mean square
+  bool coplanar = false;  ///< true if positions have a mirror image
+  double off_m = 0.0;     ///< root mean square distance of the beacons from it
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();
   Eigen::Vector3d across =
       Eigen::Vector3d::UnitX();  ///< in the plane, across the line that comes nearest to them
 
   [[nodiscard]] double height_m(const Eigen::Vector3d& p) const { return normal.dot(p - centre_m); }
 };
-/// Of the usable beacons of a deployment but one. @param extent_m  of all of them
+/// Plane of the usable beacons of a deployment, optionally without one. @param extent_m  extent of all of
+/// them
 [[nodiscard]] BeaconPlane beacon_plane(const Deployment& deployment, double extent_m, BeaconId without = {});
 
-/// All that a vehicle's receivers, the site and its errors mean for the track.
+/// Properties of the vehicle's receivers, the site and its errors that the track depends on.
 struct SpaceSetting {
   const Deployment& deployment;
   const SpaceTrackOptions& options;
   CalibrationPart calibration;
-  std::vector<int> bias;  ///< state of each beacon; -1: none
+  std::vector<int> bias;  ///< index of each beacon's bias in the state; -1: without bias
   Eigen::Index size = 6;
   double bias_sigma_m = 0.0, bias_time_s = 1.0;
   double range_sigma_m = 0.0;                                    ///< of one range, its bias included
   Eigen::Vector3d p_centre_vehicle_m = Eigen::Vector3d::Zero();  ///< of the receivers
-  double extent_m = 1.0;                                         ///< of the beacons
+  double extent_m = 1.0;                                         ///< extent of the beacons
   double reach_m = 1.0;  ///< of what the vehicle moves in: the beacons' extent, or its median range
   bool in_line =
       false;          ///< the beacons, as well as their places are known: a vehicle may turn about the line
-  BeaconPlane plane;  ///< of the beacons
-  std::vector<double> off_plane_m2;  ///< variance of each beacon's distance from the plane by the calibration
+  BeaconPlane plane;  ///< plane of the beacons
+  std::vector<double> off_plane_m2;  ///< calibration variance of each beacon's distance from the plane
 
   SpaceSetting(const Deployment& d, const SpaceTrackOptions& o);
 };
 
-/// SpaceRanges of a vehicle and their instants.
+/// Ranges of a vehicle, grouped by instant.
 struct SpaceRanges {
   std::vector<SpaceRange> all;
   std::vector<SpaceInstant> instants;
@@ -75,8 +76,9 @@ struct SpaceRanges {
 [[nodiscard]] SpaceRanges ranges_in_space(const MeasurementLog& log, VehicleId vehicle,
                                           SpaceSetting& setting);
 
-/// Place of the vehicle at an instant by what is heard in the next seconds, in stretches that grow until one
-/// tells: robust Gauss-Newton from points around the beacons. None where fewer than three beacons are heard.
+/// Initial position of the vehicle at an instant from the ranges of the next seconds, over growing times
+/// until it is unique: robust Gauss-Newton from points around the beacons. No value for fewer than three
+/// beacons.
 [[nodiscard]] std::optional<Eigen::Vector3d> place_in_space(const SpaceRanges& ranges, std::size_t instant,
                                                             const SpaceSetting& setting);
 

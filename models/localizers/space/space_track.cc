@@ -21,12 +21,12 @@
 namespace octant {
 namespace {
 
-constexpr std::size_t kPoseArrivals = 7;  ///< of an instant, with which six degrees of freedom are checked
+constexpr std::size_t kPoseArrivals =
+    7;  ///< number of arrivals at an instant for a checked pose with six degrees of freedom
 constexpr std::ptrdiff_t kAttitudeReceivers = 3;  ///< of a vehicle, whose arrivals tell its attitude
-constexpr int kMostSides = 4;                     ///< rounds in which a track's sides are looked at
-constexpr std::size_t kFewestBeacons = 3;         ///< that place a vehicle in space
-/// Densities of the white-noise acceleration that are tried [m^2/s^3]: from a tripod that is carried to a
-/// racing drone.
+constexpr int kMostSides = 4;              ///< number of rounds in which the sides of a track are examined
+constexpr std::size_t kFewestBeacons = 3;  ///< number of beacons that determine a position in space
+/// Candidate densities of the white-noise acceleration [m^2/s^3]: from a carried tripod to a racing drone.
 constexpr std::array kDensities = {0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0};
 
 class SpaceTracker {
@@ -56,7 +56,7 @@ class SpaceTracker {
   }
 
  private:
-  /// @return the instant behind the last one that was tracked
+  /// @return one past the last tracked instant
   std::size_t follow(std::size_t k, const Eigen::Vector3d& start, std::vector<Fix>& fixes) {
     double most = -INFINITY, density = kDensities.front();
     std::size_t end = k;
@@ -68,7 +68,7 @@ class SpaceTracker {
       most = track.likelihood();
       density = tried;
     }
-    // What led to the loss belongs to what comes.
+    // The arrivals that led to the loss belong to the next track.
     const bool lost = end < ranges_.instants.size();
     if (end <= k + 1) return k;
     SpaceFilter track(ranges_, setting_, k, start, density);
@@ -86,7 +86,7 @@ class SpaceTracker {
     return k + kept;
   }
 
-  /// Sides of the beacons' plane, as long as others are likelier over the whole track.
+  /// Chooses sides of the beacons' plane, as long as others are more likely over the whole track.
   void choose_sides(SpaceFilter& track, std::size_t k, double density, std::size_t end) {
     if (!setting_.plane.coplanar) return;
     for (int round = 0; round < kMostSides; ++round) {
@@ -103,9 +103,10 @@ class SpaceTracker {
     }
   }
 
-  /// Levels of fixes along a track: each is held against the track without one of the beacons, filtered and
-  /// smoothed again from where it begins, its outliers told anew (solution separation, separation.h). A
-  /// beacon that alone tells on which side of the others' plane the vehicle is takes that with it.
+  /// Protection levels of the fixes along a track: each is compared with the track without one of the
+  /// beacons, filtered and smoothed again from its start, with its outliers determined again (solution
+  /// separation, separation.h). If a single beacon determines the side of the others' plane, the side is lost
+  /// without it.
   void protect(const std::vector<SpaceStep>& steps, std::size_t k, const Eigen::Vector3d& start,
                double density, std::span<Fix> fixes) {
     const auto ranges = std::span(ranges_.all)
@@ -130,7 +131,7 @@ class SpaceTracker {
       all_determined = without.filter(k + fixes.size()) == k + fixes.size();
       if (all_determined) {
         without.smooth();
-        without.filter(k + fixes.size());  // linearised where it is without the beacon
+        without.filter(k + fixes.size());  // linearised at the track without the beacon
         without.smooth();
         BeaconPlane plane = beacon_plane(setting_.deployment, setting_.extent_m, *beacon);
         plane.coplanar = plane.coplanar && plane.off_m < kAtFaultSigmas * range_sigma_m;
@@ -145,7 +146,7 @@ class SpaceTracker {
             protection_level_m(horizontal_variance(fixes[j].covariance), levels_m[j]);
   }
 
-  /// @param level_m  grows; infinite where the fix without the beacon contradicts
+  /// @param level_m  is increased; infinite if the fix without the beacon contradicts
   void hold_against(const SpaceBelief& without, const SpaceBelief& with, const BeaconPlane& plane,
                     const Fix& fix, double& level_m) const {
     const Eigen::Vector3d p = without.x.head<3>();
@@ -158,8 +159,7 @@ class SpaceTracker {
     level_m = std::max(level_m, shift_m + kFaultySigmas * sigma_m);
   }
 
-  /// A track that stays clear of the plane of the beacons keeps its side; one that may have gone through it
-  /// does not.
+  /// A track far from the plane of the beacons keeps its side; one that may have passed through it does not.
   [[nodiscard]] bool comes_near_the_plane(const std::vector<SpaceStep>& steps) const {
     if (!setting_.plane.coplanar) return false;
     return std::ranges::any_of(steps, [this](const SpaceStep& step) {
@@ -205,7 +205,8 @@ class SpaceTracker {
     return fix;
   }
 
-  /// @param side_is_open  it may as well be at the mirror image: half of the squares between both counts
+  /// @param side_is_open  the mirror image is equally likely: half of the squared distance between both is
+  /// added
   [[nodiscard]] Fix fix_at(std::size_t k, const SpaceBelief& belief, bool side_is_open) const {
     Fix fix = no_fix(k, FixStatus::kNoConsensus);
     fix.arrivals_rejected = 0;

@@ -6,9 +6,10 @@ namespace octant {
 
 struct SpaceTrackOptions {
   double rejection_sigmas = 4.0;
-  double max_gap_s = 5.0;        ///< without arrivals, after which the place is searched anew
-  double speed_sigma_mps = 3.0;  ///< of each component, before anything is heard
-  bool protect = false;  ///< protection levels, at the cost of a filter and a smoother more for each beacon
+  double max_gap_s = 5.0;        ///< longest time without arrivals; afterwards the position is searched again
+  double speed_sigma_mps = 3.0;  ///< initial sigma of each component of the velocity
+  bool protect =
+      false;  ///< compute protection levels, at the cost of an additional filter and smoother for each beacon
 };
 
 }  // namespace octant

@@ -18,13 +18,14 @@ namespace octant {
 namespace {
 
 constexpr std::size_t kMinRanges = 8;
-constexpr double kClearScoreMargin =
-    8.0;  ///< of the log likelihood; a window that is not clear can always grow
+constexpr double kClearScoreMargin = 8.0;  ///< in log likelihood; an ambiguous window can still grow
 constexpr double kWindowGrowth = 1.4;
-constexpr double kMaxHeadingSigma = 0.25;  ///< rad: within it the filter linearises safely
-constexpr double kMaxMeanCost = 2.0;  ///< of an arrival: 0.5 where all is well, the caps where nothing fits
+constexpr double kMaxHeadingSigma = 0.25;  ///< rad: limit for safe linearisation in the filter
+constexpr double kMaxMeanCost =
+    2.0;  ///< mean cost of an arrival: 0.5 for a perfect fit, the caps if no pose fits
 
-/// Whether the best pose of a search stands clear of the second, is tight, and explains the arrivals.
+/// Returns true if the best pose of a search is clearly better than the second, well determined, and explains
+/// the arrivals.
 bool is_clear(const SearchProblem& problem, const SearchResult& result, double max_sigma_m) {
   if (result.poses.empty()) return false;
   if (result.poses.size() > 1 && result.poses[1].score < result.poses[0].score + kClearScoreMargin)
@@ -40,8 +41,8 @@ bool is_clear(const SearchProblem& problem, const SearchResult& result, double m
   return std::sqrt(P(0, 0) + P(1, 1)) < max_sigma_m && std::sqrt(P(2, 2)) < kMaxHeadingSigma;
 }
 
-/// The first node at or after one at which anything is heard, or the segment's end: what passes before says
-/// nothing, and would take a window's time.
+/// First node with an arrival at or after a given one, or the end of the segment. Silent parts would only
+/// waste the time of a window.
 std::size_t heard_from(const Trajectory& t, const Segment& segment, std::size_t node) {
   const std::size_t at = first_of_node(t.arrivals, node, segment.first_arrival, segment.last_arrival);
   return at == segment.last_arrival ? segment.last_node : t.arrivals[at].node;
@@ -58,7 +59,7 @@ bool place_stretch(Trajectory& t, const Segment& window, const EpochFixModel& mo
   if (problem.ranges.size() < kMinRanges || problem.groups() < 2) return false;
   thin_out(problem);
   SearchOptions search;
-  // Fine enough that half a step moves the end of the path by a fraction of the distances.
+  // Fine enough that half a step moves the end of the path by a small part of the distances.
   search.headings = std::clamp(
       static_cast<int>(std::ceil(2 * std::numbers::pi * problem.lever_m / (0.1 * problem.span_m))), 16, 72);
   search.max_pairs = 60;
@@ -88,7 +89,7 @@ DriveStart first_placed(const Trajectory& t, const Segment& segment, const Start
       }
       if (last == segment.last_node || span_s * kWindowGrowth > windows.longest_s) break;
     }
-    if (begin_s + windows.longest_s >= end_s) break;  // the windows that remain are parts of this one
+    if (begin_s + windows.longest_s >= end_s) break;  // the remaining windows are parts of this one
     start.first_node =
         heard_from(t, segment, start.first_node + std::max<std::size_t>((last - start.first_node) / 2, 1));
   }

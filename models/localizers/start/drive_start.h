@@ -11,34 +11,33 @@
 
 namespace octant {
 
-/// A stretch of a drive whose place is known.
+/// A part of a drive whose pose is known.
 struct DriveStart {
   bool found = false;
-  std::size_t first_node = 0, last_node = 0;  ///< [first, last) of the stretch
+  std::size_t first_node = 0, last_node = 0;  ///< nodes [first, last)
 };
 
-/// Places a stretch if the arrivals settle it: the odometry is taken as a rigid piece, whose middle pose is
-/// found as an epoch's is, with lever arms along the path; then its states are settled robustly. False:
-/// nothing of it is clear.
+/// Finds the pose of a part of a drive, if the arrivals determine it. Its odometry is treated as a rigid
+/// piece with lever arms along the path, and the pose of its middle node is searched like that of an epoch.
+/// Its states are then solved robustly. Returns false if no pose is clearly the best.
 [[nodiscard]] bool place_stretch(Trajectory& trajectory, const Segment& stretch, const EpochFixModel& model,
                                  const TrackerOptions& options);
 
-/// Spans of the stretches that are tried.
+/// Durations of the parts that are tried.
 struct StartWindows {
   double first_s = 0.0, longest_s = 0.0;
 };
 
-/// The first stretch at or after from_node that can be placed: from the first node at which anything is heard
-/// windows grow up to the longest span, then from half a window on.
-/// @param place  places a stretch, if it can be
+/// Finds the first part at or after from_node whose pose can be found. Windows begin at the first node with
+/// an arrival and grow up to the longest duration; then the next window begins half a window later.
+/// @param place  finds the pose of a part and returns true if it succeeds
 [[nodiscard]] DriveStart first_placed(const Trajectory& trajectory, const Segment& segment,
                                       const StartWindows& windows, std::size_t from_node,
                                       const std::function<bool(const Segment&)>& place);
 
-/// Searches the place of the first stretch at or after from_node that the arrivals settle: the odometry of a
-/// window is taken as a rigid piece, whose middle pose is found as an epoch's is, with lever arms along the
-/// path. The window grows until one pose is far better than any other, then its states are settled robustly.
-/// Sets the nodes of the stretch, marks nothing.
+/// Finds the pose of the first part at or after from_node that the arrivals determine (place_stretch). The
+/// window grows until one pose is far better than any other. Sets the nodes of the part, but marks no
+/// arrivals.
 [[nodiscard]] DriveStart find_start(Trajectory& trajectory, const Segment& segment,
                                     const EpochFixModel& model, const TrackerOptions& options,
                                     std::size_t from_node);

@@ -11,7 +11,7 @@
 namespace octant {
 namespace {
 
-/// Lengths of the windows tried [s], shortest first: the vehicle moves least in it.
+/// Lengths of the windows [s], shortest first, because the vehicle moves least in them.
 constexpr std::array<double, 6> kWindows_s = {0.0, 0.1, 0.25, 0.5, 1.0, 2.0};
 
 struct Anchor {
@@ -20,7 +20,7 @@ struct Anchor {
   bool heading_known = false;
 };
 
-/// The arrivals of nodes [first, last) as if they were of one standing vehicle.
+/// Arrivals of nodes [first, last) as observations of one vehicle at rest.
 Trajectory standing(const Trajectory& t, const Segment& segment, std::size_t first, std::size_t last) {
   Trajectory piece = standing_at(
       t, {.time_s = 0.5 * (t.nodes[first].time_s + t.nodes[last - 1].time_s), .T_map_vehicle = {}});
@@ -47,7 +47,7 @@ std::size_t node_after(const Trajectory& t, const Segment& segment, std::size_t 
 std::vector<Anchor> find_anchors(const Trajectory& t, const Segment& segment, const EpochFixModel& model,
                                  const TrackerOptions& options) {
   std::vector<Anchor> anchors;
-  // Arrivals are sorted by node: a window begins where the one before it ended.
+  // Arrivals are sorted by node, so a window begins where the previous one ended.
   Segment rest = segment;
   for (std::size_t first = segment.first_node; first < segment.last_node;) {
     std::size_t next = first + 1;
@@ -72,7 +72,7 @@ std::vector<Anchor> find_anchors(const Trajectory& t, const Segment& segment, co
       next = last;
       break;
     }
-    // A tenth of a second on is soon enough: what lies between is interpolated.
+    // A step of a tenth of a second is short enough for interpolation.
     first = std::max(next, node_after(t, segment, first, 0.1));
   }
   return anchors;
@@ -103,7 +103,7 @@ bool place_by_motion(Trajectory& t, const Segment& segment, const EpochFixModel&
         turning
             ? wrap_angle(after->T_map_vehicle.heading_rad() - before->T_map_vehicle.heading_rad()) / span_s
             : 0.0;
-    // Neighbouring windows jump about by their uncertainty; the vehicle does not.
+    // Poses of neighbouring windows differ by their uncertainty, which must not appear as a velocity.
     const double speed_mps = node.velocity.head<2>().norm();
     if (speed_mps > 2 * t.motion_prior->speed_mps)
       node.velocity.head<2>() *= 2 * t.motion_prior->speed_mps / speed_mps;

@@ -8,9 +8,9 @@
 
 namespace octant {
 
-/// Initial poses and velocities of a segment that a motion prior ties together (Trajectory::motion_prior):
-/// short windows are searched as if the vehicle stood, with as much uncertainty as it may have moved
-/// meanwhile, and joined by straight lines. Sets the segment's nodes; false where no window tells a pose.
+/// Initial poses and velocities of a segment with a motion prior (Trajectory::motion_prior). Short windows
+/// are searched as for a vehicle at rest, with an uncertainty that covers its motion, and connected by
+/// straight lines. Sets the nodes of the segment; returns false if no window determines a pose.
 [[nodiscard]] bool place_by_motion(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                                    const TrackerOptions& options);
 

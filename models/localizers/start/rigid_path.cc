@@ -19,7 +19,8 @@ RigidPath rigid_path(const Trajectory& t, const Segment& window, std::size_t anc
         path.T_anchor_node[from] * (to > from ? o.T_before_after : o.T_before_after.inverse());
     distance_m2 += o.distance_sigma_m * o.distance_sigma_m;
     heading_rad2 += o.heading_sigma_rad * o.heading_sigma_rad;
-    // A heading error made half-way counts over what remains: a third of its square in the mean.
+    // A heading error acts over the remaining distance; one third of its square is the mean for errors along
+    // the way.
     path.drift_m[to] =
         std::sqrt(distance_m2 + heading_rad2 * path.T_anchor_node[to].translation_m.squaredNorm() / 3);
   };

@@ -9,22 +9,21 @@
 
 namespace octant {
 
-/// The odometry of a window as a rigid piece: poses of its nodes in the frame of one of them, and their drift
-/// away from it. In the plane and in space.
+/// Odometry of a window as a rigid piece: poses of its nodes relative to an anchor node, and their drift. For
+/// planar and spatial motion.
 [[nodiscard]] RigidPath rigid_path(const Trajectory& trajectory, const Segment& window, std::size_t anchor);
 
-/// Puts a window's nodes where the pose of its anchor has them.
+/// Sets the nodes of a window from the pose of its anchor.
 void lay_rigidly(Trajectory& trajectory, const Segment& window, const Pose& T_map_anchor,
                  const RigidPath& path);
 
-/// Puts the nodes from one that is placed to an end of the segment where odometry has them, or those of so
-/// many seconds.
-/// @return the last of them
+/// Extends a known node by odometry to an end of the segment, or for a limited time.
+/// @return the last node that was set
 std::size_t follow_odometry(Trajectory& trajectory, const Segment& segment, std::size_t node, bool forward,
                             double span_s = INFINITY);
 
-/// Evenly fewer ranges, so that a long window costs no more to search; those of a window are independent, so
-/// groups are of no matter beyond the bookkeeping.
+/// Thins out ranges evenly, so that the cost of a search does not grow with the window. The ranges of a drive
+/// are independent, so this does not affect their grouping by beacon.
 void thin_out(SearchProblem& problem);
 
 }  // namespace octant

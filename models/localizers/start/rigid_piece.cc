@@ -95,7 +95,8 @@ RigidPiece::PieceNormal RigidPiece::build(const State& at, const RobustLoss& los
     const SearchRange& r = problem_.ranges[i];
     const Eigen::Vector3d v = at.T * r.p_lever_m - r.p_beacon_map_m - at.off_m[group];
     const double d = std::max(v.norm(), 1e-6), residual = weight_[i] * (r.range_m - d);
-    const Eigen::Vector3d u = weight_[i] / d * v;  // by the beacon; the opposite by the place
+    const Eigen::Vector3d u =
+        weight_[i] / d * v;  // derivative by the beacon; that by the position is the opposite
     Vector6 J;
     J << -u, -r.p_lever_m.cross(at.T.rotation.conjugate() * u);
     double rho = 0.0, w = 1.0;

@@ -16,15 +16,16 @@
 namespace octant {
 namespace {
 
-/// Windows begin with the first span, as a shorter piece is never tight among such beacons, and grow up to
-/// the longest: within it odometry keeps a path's shape; where nothing else is clear, up to the last resort.
+/// Duration of the first window, since shorter pieces are never well determined among such beacons, and of
+/// the longest one in which odometry preserves the shape of the path. If no piece is clear, longer windows
+/// are a last resort.
 constexpr double kFirstWindow_s = 8.0, kLongest_s = 45.0;
-/// Of the cost: what makes a pose clearly better than others, and what makes it worth following.
+/// Cost differences: a pose is clearly better than the others, and a pose is worth following.
 constexpr double kClearlyBetter = 8.0, kWorthFollowing = 16.0;
 constexpr std::size_t kMostFollowed = 6;
-constexpr double kFollowed_s = 60.0;  ///< either way
+constexpr double kFollowed_s = 60.0;  ///< in each direction
 
-/// The part of a segment around a stretch, by so much time either way.
+/// Part of a segment around a given part, extended by a time in both directions.
 Segment around(const Trajectory& t, const Segment& segment, const Segment& stretch, double by_s) {
   const double from_s = t.nodes[stretch.first_node].time_s - by_s,
                to_s = t.nodes[stretch.last_node - 1].time_s + by_s;
@@ -34,17 +35,17 @@ Segment around(const Trajectory& t, const Segment& segment, const Segment& stret
   return stretch_of(t, segment, first, last);
 }
 
-/// What all that is heard around a stretch costs when it is followed from one of its poses.
+/// Cost of all arrivals around a part when it is extended from one of its poses.
 double cost_of(Trajectory& t, const Segment& part, const Segment& stretch, const LikelyPose& pose,
                const RigidPath& path, const EpochFixModel& model, const TrackerOptions& options) {
   lay_rigidly(t, stretch, pose.T_map_anchor, path);
   const RoughPieces back = follow_roughly(t, part, model, options, stretch.first_node, false),
                     on = follow_roughly(t, part, model, options, stretch.last_node - 1, true);
-  if (on.reached + 1 < part.last_node) return INFINITY;  // lost
+  if (on.reached + 1 < part.last_node) return INFINITY;  // the path was lost
   return pose.cost + back.cost + on.cost;
 }
 
-/// Lays a stretch where it is clearly likelier than anywhere else.
+/// Sets the pose of a part if it is clearly more likely than all others.
 bool lay_clearly(Trajectory& t, const Segment& segment, const Segment& stretch, const EpochFixModel& model,
                  const TrackerOptions& options) {
   const std::size_t anchor = stretch.first_node + (stretch.last_node - stretch.first_node) / 2;
@@ -88,7 +89,7 @@ bool place_roughly(Trajectory& t, const Segment& segment, const EpochFixModel& m
     from = on.reached;
   }
   if (pieces.empty()) return false;
-  // Whatever could not be placed follows the odometry, so that the adjustment has all states.
+  // Nodes without a pose follow odometry, so that the adjustment has all states.
   static_cast<void>(follow_odometry(t, segment, from, true));
   join_pieces(t, segment, model.state, pieces, options.threads);
   return true;

@@ -8,16 +8,15 @@
 
 namespace octant {
 
-/// Places the states of a drive in space among beacons that are known roughly (range_uncertainty_m): a
-/// stretch that is placed (space_start.h), the odometry followed from there both ways by pieces that move as
-/// one (space_follow.h), as a filter's steps would each bend to the errors of the beacons heard; then
-/// odometry and pieces together.
+/// Initial states of a spatial drive among roughly known beacons (range_uncertainty_m). One part is placed
+/// (space_start.h), and from there odometry is extended in both directions by rigid pieces (space_follow.h),
+/// because single filter steps would follow the errors of the received beacons. Finally odometry and pieces
+/// are solved together.
 ///
-/// A stretch is short where odometry is to keep its shape, and beacons that may be anywhere within the
-/// uncertainty then explain what is heard from other poses nearly as well, tilted ones above all. Where
-/// several are as likely each is followed for a minute, and the one that explains all of that clearly best is
-/// taken.
-/// @return whether anything was placed
+/// A part must be short for odometry to preserve its shape. Within the uncertainty of the beacons other
+/// poses, above all tilted ones, then explain the arrivals almost equally well. If several are likely, each
+/// is extended for a minute, and the one that explains these arrivals clearly best is used.
+/// @return true if any part was placed
 [[nodiscard]] bool place_roughly(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                                  const TrackerOptions& options);
 

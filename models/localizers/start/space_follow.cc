@@ -14,7 +14,7 @@
 namespace octant {
 namespace {
 
-/// Sigmas of what odometry loses between two nodes: of the place, of the attitude.
+/// Sigmas of the drift of odometry between two nodes, in position and attitude.
 struct OdometryDrift {
   double place_m = 0.0, attitude_rad = 0.0;
 };
@@ -31,16 +31,16 @@ OdometryDrift drift_between(const Trajectory& t, const Segment& segment, std::si
   return {std::sqrt(distance + turn * square(way_m) / 3), std::sqrt(turn)};
 }
 
-constexpr double kRoughAngleRad = 0.1;  ///< to which a piece among beacons that are off has its attitude
+constexpr double kRoughAngleRad = 0.1;  ///< sigma of the attitude of a piece among beacons with errors
 
-/// What the arrivals of a piece say of the place where odometry has it.
+/// Result of solving a piece at its pose from odometry.
 struct SolvedPiece {
-  bool heard = false, agrees = false;  ///< too few say nothing
+  bool heard = false, agrees = false;  ///< heard is false if there are too few arrivals
   double cost = 0.0;
 };
 
-/// Solves for a piece that lies where odometry has it.
-/// @param drift  since the middle of the last piece that was solved
+/// Solves the pose of a piece, starting from odometry.
+/// @param drift  since the middle of the previous solved piece
 SolvedPiece solve_roughly(Trajectory& t, const Segment& piece, const EpochFixModel& model,
                           double uncertainty_m, std::size_t middle, const OdometryDrift& drift) {
   const RigidPath path = rigid_path(t, piece, middle);
@@ -66,7 +66,7 @@ SolvedPiece solve_roughly(Trajectory& t, const Segment& piece, const EpochFixMod
 RoughPieces follow_roughly(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                            const TrackerOptions& options, std::size_t node, bool forward) {
   constexpr double kPiece_s = 8.0;
-  constexpr int kMostInDoubt = 2;  // one after the other
+  constexpr int kMostInDoubt = 2;  // consecutive pieces
   RoughPieces pieces;
   std::size_t last_solved = node;
   for (int in_doubt = 0; forward ? node + 1 < segment.last_node : node > segment.first_node;) {

@@ -11,27 +11,29 @@
 
 namespace octant {
 
-/// What became of the pieces of a path among beacons that are known roughly.
+/// Result of extending a path among roughly known beacons.
 struct RoughPieces {
-  std::vector<PoseObservation> poses;  ///< where each that was solved has its middle, to the uncertainty
-  double cost = 0.0;                   ///< negative log likelihood of what they hear
-  std::size_t reached = 0;             ///< the last node
+  std::vector<PoseObservation>
+      poses;                ///< pose of the middle of each solved piece, with the uncertainty as sigma
+  double cost = 0.0;        ///< negative log likelihood of the arrivals
+  std::size_t reached = 0;  ///< last node that was reached
 };
 
-/// Follows the odometry from a node that is placed to an end of the segment, among beacons that are known
-/// roughly (range_uncertainty_m): piece by piece, each solved as a rigid piece with the beacons free within
-/// the uncertainty, from where the last one and odometry expect it, so that what odometry loses does not add
-/// up. Forward only as far as arrivals agree.
+/// Extends odometry from a known node to an end of the segment among roughly known beacons
+/// (range_uncertainty_m). Each piece is solved as a rigid piece with free beacons within the uncertainty,
+/// starting from the previous piece and odometry, so that drift does not accumulate. Stops where arrivals
+/// disagree.
 [[nodiscard]] RoughPieces follow_roughly(Trajectory& trajectory, const Segment& segment,
                                          const EpochFixModel& model, const TrackerOptions& options,
                                          std::size_t node, bool forward);
 
-/// A pose as well known as that of a piece among beacons that are off by the uncertainty.
+/// Pose observation with the accuracy of a piece among beacons with errors of the given size.
 [[nodiscard]] PoseObservation rough_pose(const Trajectory& trajectory, std::size_t node,
                                          double uncertainty_m);
 
-/// Pieces leave kinks where they meet, and arrivals tell little of attitude: solved from there by both, a
-/// path may end as a tilted image of itself. So odometry and the pieces' middles alone are solved first.
+/// Solves odometry and the middles of the pieces alone. Pieces have kinks at their ends, and arrivals
+/// determine the attitude weakly. If both were used at once, the path could converge to a tilted copy of
+/// itself.
 void join_pieces(Trajectory& trajectory, const Segment& segment, const SharedState& state,
                  const std::vector<PoseObservation>& pieces, int threads);
 

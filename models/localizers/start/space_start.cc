@@ -20,9 +20,9 @@
 namespace octant {
 namespace {
 
-constexpr double kClearMargin = 8.0;  ///< of the cost, to any other pose
-/// Sigmas within which what follows linearises safely: of the attitude, of the place as a share of the
-/// ranges; where beacons are known roughly nothing but odometry follows, and all are then adjusted together.
+constexpr double kClearMargin = 8.0;  ///< cost difference to any other pose
+/// Sigmas up to which linearisation is safe: of the attitude, and of the position relative to the ranges.
+/// Among roughly known beacons only odometry follows, and everything is adjusted jointly afterwards.
 constexpr double kMostAngleRad = 0.25, kMostShare = 0.05, kMostRoughAngleRad = 0.1, kMostRoughShare = 0.02;
 
 struct Placing {
@@ -31,9 +31,8 @@ struct Placing {
   Matrix6 information = Matrix6::Zero();
 };
 
-/// Places of a piece's middle, as far as its own size lets them be told: by small samples of what is heard,
-/// as an echo among the squares of ranges spoils all of them (random sample consensus, Fischler and Bolles
-/// 1981).
+/// Positions of the middle of a piece, within its size, from small random samples of the arrivals (random
+/// sample consensus, Fischler and Bolles 1981), because a single echo spoils a solution by squares of ranges.
 std::vector<Eigen::Vector3d> likely_places(const SearchProblem& problem, const Eigen::Vector3d& middle_m) {
   constexpr std::size_t kSamples = 40, kOfSample = 10, kKept = 4;
   double size2 = square(problem.median_sigma_m + problem.uncertainty_m);
@@ -48,7 +47,7 @@ std::vector<Eigen::Vector3d> likely_places(const SearchProblem& problem, const E
   };
   std::vector<std::pair<double, Eigen::Vector3d>> found;
   SearchProblem sample;
-  std::uint32_t draw = 1;  // the same for the same ranges
+  std::uint32_t draw = 1;  // deterministic for given ranges
   for (std::size_t k = 0; k < kSamples; ++k) {
     sample.ranges.clear();
     for (std::size_t i = 0; i < kOfSample; ++i) {
@@ -70,14 +69,14 @@ std::vector<Eigen::Vector3d> likely_places(const SearchProblem& problem, const E
   return places;
 }
 
-/// A pose near which one may lie, and where the beacons would be.
+/// A pose close to a solution, and the corresponding offsets of the beacons.
 struct Basin {
   Pose T_map_anchor;
   double cost = 0.0;
   std::vector<Eigen::Vector3d> beacons_off_m = {};
 };
 
-/// Keeps the cheapest of those that are alike, best first.
+/// Keeps the best of similar ones, best first.
 template <class Found>
 std::vector<Found> distinct(std::vector<Found> found, double apart_m) {
   std::ranges::sort(found, {}, &Found::cost);
@@ -89,7 +88,7 @@ std::vector<Found> distinct(std::vector<Found> found, double apart_m) {
   return kept;
 }
 
-/// Where the wide loss leads from all likely places and a coarse set of attitudes.
+/// Solutions under the wide loss from all likely positions and a coarse set of attitudes.
 std::vector<Basin> basins(const SearchProblem& problem, RigidPiece& piece, double apart_m) {
   constexpr double kNearEnough = 1e-3;
   const Eigen::Vector3d middle_m = piece.middle_m();
@@ -126,14 +125,15 @@ bool is_tight(const Placing& p, const SearchProblem& problem) {
   if (!observed.all()) return false;
   const Matrix6 P = observed.covariance();
   const bool rough = problem.uncertainty_m > 0;
-  // Among roughly known beacons no place is better known than they are together, however long the piece.
+  // Among roughly known beacons the accuracy is limited by the common error of the beacons, for pieces of any
+  // length.
   const double most_m = rough ? std::max(kMostRoughShare * problem.span_m, 1.2 * problem.uncertainty_m)
                               : std::max(kMostShare * problem.span_m, 2 * problem.median_sigma_m);
   return P.topLeftCorner<3, 3>().trace() < square(most_m) &&
          P.bottomRightCorner<3, 3>().trace() < square(rough ? kMostRoughAngleRad : kMostAngleRad);
 }
 
-/// Whether one path is the other's image in the beacons' plane, as level as that.
+/// Returns true if one path is the mirror image of the other in the plane of the beacons.
 bool are_images(const SearchProblem& problem, const RigidPath& path, const Pose& a, const Pose& b,
                 double within_m) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -147,7 +147,8 @@ bool are_images(const SearchProblem& problem, const RigidPath& path, const Pose&
     spread += (beacon(g) - centre) * (beacon(g) - centre).transpose() / groups;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(spread);
   const Eigen::Vector3d normal = eigen.eigenvectors().col(0);
-  if (std::abs(normal.z()) < 0.7) return false;  // which of them is nearer the floor says nothing
+  if (std::abs(normal.z()) < 0.7)
+    return false;  // for a steep plane the distance from the floor does not distinguish them
   return std::ranges::all_of(path.T_anchor_node, [&](const Pose& T) {
     const Eigen::Vector3d p = a * T.translation_m, q = b * T.translation_m;
     return (p - 2 * normal.dot(p - centre) * normal - q).norm() < within_m;
@@ -160,14 +161,14 @@ double lowest_m(const RigidPath& path, const Pose& T_map_anchor) {
   return lowest;
 }
 
-/// Whether of two images the first one is left: the lower one above the floor.
+/// Returns true if the first of two images is the one to keep: the lower one above the floor.
 bool is_below(const RigidPath& path, const Placing& a, const Placing& b, double scale_m) {
   const double a_m = lowest_m(path, a.T_map_anchor), b_m = lowest_m(path, b.T_map_anchor);
-  const double below_m = 0.1 * std::abs(a_m - b_m) + 3 * scale_m;  // the floor, within the errors
+  const double below_m = 0.1 * std::abs(a_m - b_m) + 3 * scale_m;  // above the floor within errors
   return std::min(a_m, b_m) >= -below_m ? a_m < b_m : a_m > b_m;
 }
 
-/// Of each pair of images one.
+/// Keeps one pose of each pair of mirror images.
 void leave_one_image(const SearchProblem& problem, const RigidPath& path, double scale_m,
                      std::vector<Placing>& found) {
   const double within_m = std::max(10 * scale_m, 0.03 * problem.span_m);

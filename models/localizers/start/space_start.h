@@ -11,28 +11,28 @@
 
 namespace octant {
 
-/// A pose of a stretch's anchor among those that explain what is heard along it.
+/// Candidate pose of the anchor of a part.
 struct LikelyPose {
   Pose T_map_anchor;
   double cost = 0.0;   ///< negative log likelihood of the arrivals, up to a constant
-  bool tight = false;  ///< whether what follows linearises safely there
+  bool tight = false;  ///< true if linearisation is safe there
 };
 
-/// Poses of a stretch, best first, none that is less likely than the best by more than the margin: its
-/// odometry is a rigid piece of six degrees of freedom, solved under a one-sided loss from a coarse set of
-/// rotations, beside it beacons that are known roughly (range_uncertainty_m) as unknowns. Empty where too
-/// little is heard, or nothing explains it.
+/// Candidate poses of a part, best first, up to a margin below the best likelihood. Its odometry is a rigid
+/// piece with six degrees of freedom, solved under a one-sided loss from a coarse set of rotations. Roughly
+/// known beacons (range_uncertainty_m) are additional unknowns. Empty if there are too few arrivals or no
+/// pose explains them.
 ///
-/// Beacons in one plane leave a mirror image of a path along it: left is the one below the beacons if that is
-/// above the floor (z = 0), as without odometry (space_track.h).
-/// @param path  of the stretch from its anchor
+/// For coplanar beacons a path has a mirror image. The one below the beacons is kept if it is above the floor
+/// (z = 0), as without odometry (space_track.h).
+/// @param path  poses of the part relative to its anchor
 [[nodiscard]] std::vector<LikelyPose> likely_poses(const Trajectory& trajectory, const Segment& stretch,
                                                    const EpochFixModel& model, const TrackerOptions& options,
                                                    const RigidPath& path, double margin);
 
-/// place_stretch in space, among known beacons: lays the stretch as its likeliest pose has it and settles its
-/// states. False where the arrivals do not tell one pose clearly from all others, attitude included: the
-/// stretch has to grow, until the path bends.
+/// Spatial version of place_stretch for known beacons: sets the part to its most likely pose and solves its
+/// states. Returns false if the arrivals do not determine one pose clearly, including attitude. The part then
+/// has to grow until the path bends.
 [[nodiscard]] bool place_stretch_in_space(Trajectory& trajectory, const Segment& stretch,
                                           const EpochFixModel& model, const TrackerOptions& options);
 

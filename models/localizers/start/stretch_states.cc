@@ -11,7 +11,7 @@
 namespace octant {
 namespace {
 
-constexpr double kStartInflation = 4.0;  ///< of the covariance of a stretch that was solved robustly
+constexpr double kStartInflation = 4.0;  ///< factor on the covariance of robustly solved states
 
 }  // namespace
 

@@ -12,14 +12,14 @@
 
 namespace octant {
 
-/// What the uncertainty of roughly known beacons amounts to for arrivals that are counted as independent:
-/// those of one beacon share its error until its direction has changed, say over half of a range driven, so
-/// each of the n until then has sqrt(n) times the uncertainty. Without it hundreds of equally wrong ranges
-/// would bend the odometry.
+/// Converts the uncertainty of roughly known beacons for arrivals that are treated as independent. The
+/// arrivals of a beacon share its error until its direction changes, about over half of its range, so each of
+/// n such arrivals gets sqrt(n) times the uncertainty. Otherwise hundreds of equally wrong ranges would bend
+/// the odometry.
 [[nodiscard]] double independent_uncertainty_m(const Trajectory& trajectory, const Segment& segment,
                                                const EpochFixModel& model, double uncertainty_m);
 
-/// Widens the sigmas of a segment's arrivals by that, for as long as it lives.
+/// Increases the sigmas of a segment's arrivals by this uncertainty during its lifetime.
 class WidenedArrivals {
  public:
   WidenedArrivals(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
@@ -34,16 +34,16 @@ class WidenedArrivals {
   std::pmr::vector<double> sigma_s_{scratch()};
 };
 
-/// Puts a stretch where its anchor's pose has it, and settles its states robustly.
+/// Sets the states of a part from the pose of its anchor and solves them robustly.
 void lay_stretch(Trajectory& trajectory, const Segment& stretch, const EpochFixModel& model,
                  double range_uncertainty_m, const Pose& T_map_anchor, const RigidPath& path);
 
-/// Solves for the states of a stretch that lies about right: the last of what lay_stretch does.
+/// Solves the states of a part that are approximately right: the last step of lay_stretch.
 void refine_stretch(Trajectory& trajectory, const Segment& stretch, const EpochFixModel& model,
                     double range_uncertainty_m);
 
-/// Covariance (of the pose, as Motion has it) with which a filter may begin at a node of a stretch that was
-/// placed: its marginal, inflated, because the stretch was solved robustly and its outliers are not marked.
+/// Covariance of the pose with which a filter may start at a node. This is the marginal of the solved states,
+/// inflated because they were solved robustly without marking outliers.
 [[nodiscard]] PoseCovariance start_covariance(Trajectory& trajectory, const Segment& stretch,
                                               const EpochFixModel& model, double range_uncertainty_m,
                                               std::size_t node);
