@@ -149,8 +149,44 @@ std::string stateless_in_words(const MeasurementLog& run, int line, std::size_t 
       run.path, line, count, pose_file(run));
 }
 
+namespace {
+
+/// Nothing has a state: where arrivals and poses do not overlap in time, both spans are named.
+Error without_observations(const Site& site, const std::vector<MeasurementLog>& runs) {
+  Error error{.file = runs.empty() ? site.path : runs.front().path + "/tof.csv",
+              .found = "no arrival or bearing to calibrate with",
+              .expected = "rows of times of flight or bearings with a vehicle state at their time",
+              .advice =
+                  "record a run while the beacons fire, or check the measured poses and odometry.csv against "
+                  "the times in tof.csv"};
+  for (const MeasurementLog& run : runs) {
+    if (run.arrivals.empty() || (run.poses.empty() && run.odometry.empty())) continue;
+    const double pose_first_s = run.poses.empty() ? run.odometry.front().time_s : run.poses.front().time_s,
+                 pose_last_s = run.poses.empty() ? run.odometry.back().time_s : run.poses.back().time_s,
+                 first_s = run.arrivals.front().time_s, last_s = run.arrivals.back().time_s;
+    error.found += fmt::format(
+        "; time_s of tof.csv runs from {:.6g} to {:.6g}, that of the vehicle's motion "
+        "from {:.6g} to {:.6g} s",
+        first_s, last_s, pose_first_s, pose_last_s);
+    const double ratio = (last_s - first_s) / std::max(1e-9, pose_last_s - pose_first_s);
+    for (const auto& [name, factor] :
+         {std::pair{"milliseconds", 1e3}, std::pair{"microseconds", 1e6}, std::pair{"nanoseconds", 1e9}})
+      if (std::abs(std::log(ratio / factor)) < std::log(3.0))
+        error.advice = fmt::format("time_s of tof.csv looks like {}: divide it by {:g}", name, factor);
+    break;
+  }
+  return error;
+}
+
+/// An exact distance is a constraint: it is weighted as if it were known to a tenth of a millimetre, which no
+/// survey of a site exceeds and which keeps the normal equations well conditioned.
+constexpr double kExactDistance_m = 1e-4;
+
+}  // namespace
+
 Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs, int threads) {
   Problem problem;
+  for (ControlDistance& d : site.distances) d.sigma_m = std::max(d.sigma_m, kExactDistance_m);
   std::size_t observations = 0;
   const TrajectoryModel model = trajectory_model(site);
   if (auto ok = check_site_units(site, runs); !ok) return fail(ok.error());
@@ -167,15 +203,7 @@ Result<Problem> make_problem(Site site, std::vector<MeasurementLog> runs, int th
       problem.trajectories.push_back(std::move(t));
     }
   }
-  if (observations == 0) {
-    return fail(
-        {.file = runs.empty() ? site.path : runs.front().path + "/tof.csv",
-         .found = "no arrival or bearing to calibrate with",
-         .expected = "rows of times of flight or bearings with a vehicle state at their time",
-         .advice =
-             "record a run while the beacons fire, or check the measured poses and odometry.csv against "
-             "the times in tof.csv"});
-  }
+  if (observations == 0) return fail(without_observations(site, runs));
   problem.held_lever_sigma_m = hold_levers(site, problem.trajectories);
   for (Trajectory& t : problem.trajectories) widen_poses(problem, t);
   apply_gates(site, problem.trajectories, threads);

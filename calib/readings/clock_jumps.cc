@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -166,6 +167,67 @@ void without_jumps(const std::vector<ClockStep>& jumps, MeasurementLog& run) {
   for (Arrival& a : run.arrivals)
     for (const ClockStep& jump : jumps)
       if (a.time_s >= jump.time_s) a.tof_s -= jump.step_s;
+}
+
+namespace {
+
+/// Clock offsets of evenly spread stops of a run, in order of time.
+std::vector<std::pair<double, double>> offsets_of_stops(const Site& site, const MeasurementLog& run,
+                                                        const SolveOptions& options) {
+  Site loose = site;
+  loose.timing.clock = Clock::kCycleOffset;
+  const auto problem = make_problem(loose, {subsample(run, site, kHalf)}, options.threads);
+  if (!problem) return {};
+  ProgressMonitor monitor(options);
+  const Approach found = approach(*problem, options, monitor, false);
+  std::vector<std::pair<double, double>> offsets;
+  if (!found.ok) return offsets;
+  for (const Trajectory& t : found.trajectories)
+    for (const Node& node : t.nodes)
+      if (node.placed) offsets.emplace_back(node.time_s, node.cycle_offset_s);
+  std::ranges::sort(offsets);
+  return offsets;
+}
+
+/// Growth of offsets from the first to the last, by the median of the slopes of all pairs (Theil 1950, Sen
+/// 1968); none where they scatter about that line by more than a part of it.
+std::optional<double> growth_of(const std::vector<std::pair<double, double>>& offsets) {
+  constexpr std::size_t kFewest = 8;
+  constexpr double kScatter = 0.1;  // of the growth
+  if (offsets.size() < kFewest) return {};
+  const double span_s = offsets.back().first - offsets.front().first;
+  std::vector<double> slopes, starts, off;
+  for (std::size_t i = 0; i < offsets.size(); ++i)
+    for (std::size_t j = i + 1; j < offsets.size(); ++j)
+      if (offsets[j].first > offsets[i].first)
+        slopes.push_back((offsets[j].second - offsets[i].second) / (offsets[j].first - offsets[i].first));
+  const double slope = median(std::move(slopes));
+  for (const auto& [time_s, offset_s] : offsets) starts.push_back(offset_s - slope * time_s);
+  const double start_s = median(starts);
+  for (const double s : starts) off.push_back(std::abs(s - start_s));
+  const double growth_s = slope * span_s;
+  if (median(std::move(off)) > kScatter * std::abs(growth_s)) return {};
+  return growth_s;
+}
+
+}  // namespace
+
+std::vector<Reading> drifting_clocks(const Site& site, const std::vector<MeasurementLog>& runs,
+                                     const SolveOptions& options) {
+  std::vector<Reading> readings;
+  if (site.timing.clock == Clock::kCycleOffset) return readings;
+  for (std::size_t run = 0; run < runs.size(); ++run) {
+    if (!runs[run].has_epochs) continue;
+    const std::optional<double> growth_s = growth_of(offsets_of_stops(site, runs[run], options));
+    if (!growth_s) continue;
+    const CommonError drift{.kind = CommonError::Kind::kDrift, .run = run, .size = *growth_s};
+    readings.push_back({contradiction_of(drift, site, runs),
+                        {},
+                        [drift, span_s = span_of(runs[run].arrivals)](std::size_t of, MeasurementLog& log) {
+                          if (of == drift.run) take_back(drift, span_s, log);
+                        }});
+  }
+  return readings;
 }
 
 std::vector<Reading> jumped_clocks(const Site& site, const std::vector<MeasurementLog>& runs,

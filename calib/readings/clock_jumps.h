@@ -28,4 +28,10 @@ void without_jumps(const std::vector<ClockStep>& jumps, MeasurementLog& run);
 [[nodiscard]] std::vector<Reading> jumped_clocks(const Site& site, const std::vector<MeasurementLog>& runs,
                                                  const SolveOptions& options);
 
+/// A clock that drifts so much that no stop fits as stated: with a clock offset of its own each stop has a
+/// place, and the offsets lie on a line. None of drives, of clocks that have such offsets by design, and
+/// where the offsets show no line.
+[[nodiscard]] std::vector<Reading> drifting_clocks(const Site& site, const std::vector<MeasurementLog>& runs,
+                                                   const SolveOptions& options);
+
 }  // namespace octant::calib

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "calib/problem/log_health.h"
+#include "calib/problem/site_units.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
@@ -52,6 +53,12 @@ const Reflection kReflections[] = {
      [](const Pose& p) {
        return Pose{p.translation_m, p.rotation.conjugate()};
      }},
+    {"they are north, east, down: x and y are exchanged and z counts downwards",
+     [](const Pose& p) {
+       Pose out = reflected(p, std::sqrt(0.5), -std::sqrt(0.5));
+       out.translation_m.z() = -out.translation_m.z();
+       return out;
+     }},
 };
 
 /// Calls visit(time_s) for some arrivals, evenly spread. @return for which share of them it is true
@@ -89,10 +96,33 @@ double share_with_pose(const MeasurementLog& run, double lag_s) {
 
 }  // namespace
 
+bool do_poses_tumble(const std::vector<MeasurementLog>& runs) {
+  constexpr double kUpright = 0.5, kShare = 0.1;  // cosine of a tilt of 60 degrees
+  std::size_t all = 0, tilted = 0;
+  for (const MeasurementLog& run : runs)
+    for (const TimedPose& pose : run.poses) {
+      ++all;
+      tilted += (pose.T_map_vehicle.rotation * Eigen::Vector3d::UnitZ()).z() < kUpright;
+    }
+  return static_cast<double>(tilted) > kShare * static_cast<double>(all);
+}
+
 std::vector<Reading> other_pose_frames(const std::vector<MeasurementLog>& runs) {
   std::vector<Reading> readings;
   const auto posed = std::ranges::find_if(runs, is_posed);
   if (posed == runs.end()) return readings;
+  if (do_poses_tumble(runs))
+    readings.push_back({{ContradictionKind::kPoses, "in " + pose_file(*posed),
+                         "quaternions in the order x y z w", "that the quaternions are in the order w x y z",
+                         0.0, "write each line as time_s x y z qx qy qz qw"},
+                        {},
+                        [](std::size_t, MeasurementLog& run) {
+                          for (TimedPose& pose : run.poses) {
+                            const Eigen::Vector4d wxyz = pose.T_map_vehicle.rotation.coeffs();
+                            pose.T_map_vehicle.rotation =
+                                Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+                          }
+                        }});
   for (const Reflection& reflection : kReflections)
     readings.push_back({{ContradictionKind::kPoses, "in " + pose_file(*posed), "in a right-handed frame",
                          fmt::format("that their frame is left-handed (mirrored): {}", reflection.words), 0.0,
@@ -100,6 +130,21 @@ std::vector<Reading> other_pose_frames(const std::vector<MeasurementLog>& runs) 
                         {},
                         [read = reflection.read](std::size_t, MeasurementLog& run) {
                           for (TimedPose& pose : run.poses) pose.T_map_vehicle = read(pose.T_map_vehicle);
+                        }});
+  return readings;
+}
+
+std::vector<Reading> other_pose_units(const std::vector<MeasurementLog>& runs) {
+  std::vector<Reading> readings;
+  const auto posed = std::ranges::find_if(runs, is_posed);
+  if (posed == runs.end()) return readings;
+  for (const LengthUnit& unit : length_units())
+    readings.push_back({{ContradictionKind::kUnits, "in " + pose_file(*posed), "metres",
+                         fmt::format("that their positions are in {}", unit.name), 0.0,
+                         fmt::format("multiply the positions by {:g}", unit.metres)},
+                        {},
+                        [metres = unit.metres](std::size_t, MeasurementLog& run) {
+                          for (TimedPose& pose : run.poses) pose.T_map_vehicle.translation_m *= metres;
                         }});
   return readings;
 }

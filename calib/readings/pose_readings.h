@@ -12,8 +12,14 @@
 namespace octant::calib {
 
 /// Measured poses in a left-handed frame, as other programs write them: y or x the other way round, x and y
-/// exchanged (north, east, down), headings clockwise; none where there are no poses.
+/// exchanged (north, east, down), headings clockwise; their quaternions in another order, where they tumble.
+/// None where there are no poses.
 [[nodiscard]] std::vector<Reading> other_pose_frames(const std::vector<MeasurementLog>& runs);
+/// Measured poses whose positions are in centimetres, millimetres, feet or inches.
+[[nodiscard]] std::vector<Reading> other_pose_units(const std::vector<MeasurementLog>& runs);
+/// Returns true where one measured pose in ten lies on its side or upside down, as no ground vehicle, drone
+/// or ship does, and as quaternions do that are read in another order.
+[[nodiscard]] bool do_poses_tumble(const std::vector<MeasurementLog>& runs);
 /// Measured poses of a moving vehicle that are stamped late or early; none where there are none. A lag that
 /// leaves arrivals without a pose explains nothing.
 [[nodiscard]] std::vector<ReadingFamily> poses_stamped_late(const std::vector<MeasurementLog>& runs);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "calib/adjust/adjust.h"
 #include "calib/adjust/reject.h"
@@ -30,6 +31,15 @@ std::size_t disregarded_places(const Site& site, const ParameterLayout& layout) 
     count += disregarded;
   }
   return count;
+}
+
+double mean_delay_s(const SharedState& state) {
+  const auto mean = [](const std::vector<double>& values) {
+    return values.empty()
+               ? 0.0
+               : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+  };
+  return state.site_delay_s + mean(state.beacon_delay_s) + mean(state.receiver_delay_s);
 }
 
 /// Fills what the adjusted states say of the arrivals.
@@ -94,6 +104,7 @@ ReadingScore score_of(const Site& site, const std::vector<MeasurementLog>& runs,
   score.disregarded = disregarded_places(problem->site, it.layout);
   score.beacon_p_map_m = it.state().beacon_p_map_m;
   score.receiver_p_vehicle_m = it.state().receiver_p_vehicle_m;
+  score.delay_s = mean_delay_s(it.state());
   judge_arrivals(it, found.trajectories, cap, n, score);
   return score;
 }

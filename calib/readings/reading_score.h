@@ -20,6 +20,7 @@ struct ReadingScore {
   double redundancy = 0.0;  ///< an arrival
   double arrivals = 0.0;
   std::size_t disregarded = 0;     ///< beacons whose stated places were not believed
+  double delay_s = 0.0;            ///< of an arrival, mean over beacons and receivers
   std::vector<double> sizes = {};  ///< of the residuals, in stated sigmas
   std::vector<Eigen::Vector3d> beacon_p_map_m = {}, receiver_p_vehicle_m = {};
 };

@@ -59,15 +59,13 @@ class Search {
   std::vector<Contradiction> other_culprits() {
     score_as_stated();
     if (is_blamed(ContradictionKind::kControlPoint)) try_exchanged_points();
+    rival_loss_ =
+        score_of(without_what_is_blamed(site_, solution_.contradictions), second_, options_, true).loss;
     if (is_blamed(ContradictionKind::kSpeed)) try_out(scales(), true);
-    if (found_.empty()) {
-      try_families(poses_that_shift(solution_.common_errors, site_, problem_.runs));
-      try_clock_and_point_of_poses();
-    }
-    if (found_.empty()) {
-      try_families(with_common_errors(solution_.common_errors, site_, problem_.runs));
-      try_errors_of_odometry();
-    }
+    try_out(heights_downwards(site_), true);
+    if (do_poses_tumble(problem_.runs)) try_out(other_pose_frames(problem_.runs), true);
+    if (found_.empty()) try_clock_and_point_of_poses();
+    if (found_.empty()) try_errors_of_odometry();
     if (found_.empty()) try_out(jumped_clocks(site_, problem_.runs, options_));
     return best();
   }
@@ -76,31 +74,35 @@ class Search {
     score_as_stated();
     const bool jumps = ranges_show_a_jump(site_, problem_.runs);
     // What the ranges alone show has the first turn: beside such a jump every other look is long, and vain.
-    if (jumps) try_out(jumped_clocks(site_, problem_.runs, options_));
+    // Causes that all arrivals have in common explain all of them, or nothing.
+    try_out(common_delay(site_, problem_.typical_range_m));
+    try_out(heights_downwards(site_));
+    try_out(drifting_clocks(site_, problem_.runs, options_));
+    if (stated_.agreeing < kScaleAgrees) try_out(points_elsewhere(site_));
+    std::erase_if(found_, [](const ScoredReading& t) { return !explains_all(t.score); });
+    if (found_.empty() && jumps) try_out(jumped_clocks(site_, problem_.runs, options_));
     if (found_.empty()) try_clock_and_point_of_poses();
     if (found_.empty()) try_errors_of_odometry();
     if (!found_.empty()) return best();
     try_numbered_stops();
     if (found_.empty()) try_exchanged_points();
-    const bool scale_is_right =
-        stated_.agreeing >= kScaleAgrees && stated_.noise <= kNoise && !is_blamed(ContradictionKind::kSpeed);
+    const bool scale_is_right = stated_.agreeing >= kScaleAgrees && stated_.noise <= kNoise &&
+                                !is_blamed(ContradictionKind::kSpeed) && are_all_placed(site_);
     if (!jumps && nothing_but_exchanges()) try_out(jumped_clocks(site_, problem_.runs, options_));
     if (nothing_but_exchanges())
       try_out(scale_is_right ? other_units(site_, second_, true) : scales(),
               is_blamed(ContradictionKind::kSpeed));
-    // A wrong frame of short lever arms, or odometry that counts backward, looks much like receivers in
-    // another unit: all have their turn.
-    const bool explained =
-        std::ranges::any_of(found_, [](const ScoredReading& t) { return explains_all(t.score); });
-    const std::vector<Reading> odometry = explained ? std::vector<Reading>() : other_odometry(problem_.runs);
+    // A wrong frame, or odometry that counts backward, looks much like receivers in another unit.
+    const std::vector<Reading> odometry =
+        is_explained() ? std::vector<Reading>() : other_odometry(problem_.runs);
     try_out(odometry);
     std::vector<Reading> frames = other_pose_frames(problem_.runs);
+    for (Reading& reading : other_pose_units(problem_.runs)) frames.push_back(std::move(reading));
     if (nothing_but_exchanges() || !frames.empty() || !odometry.empty()) {
       for (Reading& reading : other_wirings(site_, solution_)) frames.push_back(std::move(reading));
       for (Reading& reading : other_site_frames(site_)) frames.push_back(std::move(reading));
       try_out(frames);
     }
-    try_families(poses_that_shift(solution_.common_errors, site_, problem_.runs));
     try_without_poses();
     return best();
   }
@@ -140,6 +142,10 @@ class Search {
     return s.agreeing >= kAllAgree && s.noise <= kNoiseOfAll;
   }
 
+  [[nodiscard]] bool is_explained() const {
+    return std::ranges::any_of(found_, [](const ScoredReading& t) { return explains_all(t.score); });
+  }
+
   [[nodiscard]] bool is_blamed(ContradictionKind kind) const {
     return std::ranges::any_of(solution_.contradictions,
                                [kind](const Contradiction& c) { return c.kind == kind; });
@@ -156,10 +162,10 @@ class Search {
     return static_cast<double>(agreeing) / std::max(1.0, stated_.arrivals);
   }
 
-  /// By itself, whatever the statements explain.
+  /// By itself, and better than that what is blamed already is false.
   [[nodiscard]] bool is_good(const ReadingScore& s) const {
     return s.agreeing >= std::max(kAgreeingShare, agreeing_as_stated(s.noise) - kFewer) &&
-           s.noise <= kNoise && s.redundancy >= kRedundant;
+           s.noise <= kNoise && s.redundancy >= kRedundant && s.loss < rival_loss_ - kTie;
   }
 
   [[nodiscard]] bool explains(const ReadingScore& s) const {
@@ -199,7 +205,8 @@ class Search {
     for (const auto& [loss, i] : ranking) {
       if (stopped()) return;
       const ReadingScore s = score(readings[i], kSecondShare, true);
-      if (explains(s) || (plainly && is_likelier(s))) found_.push_back({readings[i].what, s});
+      if (explains(s) || (plainly && is_likelier(s) && explains_all(s)))
+        found_.push_back({readings[i].what, s});
     }
   }
 
@@ -216,7 +223,7 @@ class Search {
 
   void accept(const Reading& reading) {
     const ReadingScore s = score(reading, kSecondShare, true);
-    if (explains(s) || (is_likelier(s) && s.noise <= kNoiseOfAll)) found_.push_back({reading.what, s});
+    if (explains(s) || (is_likelier(s) && explains_all(s))) found_.push_back({reading.what, s});
   }
 
   /// By another clock, of another point, in another frame; one may look much like the other.
@@ -316,6 +323,11 @@ class Search {
     if (least && !stopped()) found_.push_back(*least);
   }
 
+  [[nodiscard]] bool is_radio() const { return speed_mps(site_.medium) > 1e6; }
+  [[nodiscard]] static double stated_delay_s(const Site& site) {
+    return site.timing.delay_per.none() ? 0.0 : site.timing.delay_s;
+  }
+
   /// Receivers turned half round, and odometry that counts backward, are one: the site file is more often
   /// wrong.
   static void join_odometry_to_wiring(std::vector<Contradiction>& reported) {
@@ -343,6 +355,11 @@ class Search {
       const bool said =
           std::ranges::any_of(reported, [&](const Contradiction& m) { return m.kind == t.what.kind; });
       if (said || t.score.loss > least + kTie) continue;
+      if (t.what.kind == ContradictionKind::kDelay) {
+        const double off_s = t.score.delay_s - stated_delay_s(site_);
+        t.what.found += fmt::format(", {:.4g} {} {} than stated", std::abs(off_s) * (is_radio() ? 1e9 : 1e3),
+                                    is_radio() ? "ns" : "ms", off_s > 0 ? "longer" : "shorter");
+      }
       t.what.found += fmt::format(" (so read {:.0f} % of the arrivals agree, as stated {:.0f} %)",
                                   100 * t.score.agreeing, 100 * agreeing_as_stated(t.score.noise));
       t.what.sigmas = std::sqrt(2 * t.score.arrivals * (stated_.loss - t.score.loss));
@@ -363,6 +380,7 @@ class Search {
   Site site_;
   std::vector<MeasurementLog> first_, second_;  ///< evenly spread parts for a first and a second look
   ReadingScore stated_first_, stated_;
+  double rival_loss_ = INFINITY;  ///< where the statements that are blamed are not believed
   std::vector<ScoredReading> found_;
 };
 

@@ -150,6 +150,67 @@ std::vector<Reading> exchanged_points(const Site& site) {
   return readings;
 }
 
+std::vector<Reading> heights_downwards(const Site& site) {
+  const auto has_height = [](const SiteBeacon& b) { return b.position_m[2] && *b.position_m[2] != 0.0; };
+  if (std::ranges::none_of(site.beacons, has_height)) return {};
+  return {
+      Reading{{ContradictionKind::kExchanged, "of the site file", "in a frame with z up",
+               "that heights count downwards: z of all beacons has the wrong sign", 0.0,
+               "write the heights of the beacons with z up: above the floor, or the surface of the water, "
+               "is positive"},
+              [](const Site& stated) {
+                Site other = stated;
+                for (SiteBeacon& b : other.beacons)
+                  if (b.position_m[2]) b.position_m[2] = -*b.position_m[2];
+                return other;
+              },
+              {}}};
+}
+
+std::vector<Reading> common_delay(const Site& site, double typical_range_m) {
+  constexpr double kWide = 0.1;  // of the typical range: as wide as a start from there allows
+  if (site.timing.clock == Clock::kCycleOffset || site.timing.delay_per.receiver) return {};
+  const double sigma_s = kWide * typical_range_m / speed_mps(site.medium);
+  if (largest_delay_sigma_s(site) > sigma_s) return {};
+  const bool has_delays = !site.timing.delay_per.none();
+  return {Reading{{ContradictionKind::kDelay, "all beacons",
+                   has_delays ? "delays as in the site file" : "no delays (delay_per: none)",
+                   "that all times of flight have one delay more", 0.0,
+                   "state the delay of the devices: timing.delay_s with a delay_sigma_s"},
+                  [sigma_s](const Site& stated) {
+                    Site other = stated;
+                    if (other.timing.delay_per.beacon)
+                      for (SiteBeacon& b : other.beacons)
+                        if (!b.delay_sigma_s) b.delay_sigma_s = other.timing.delay_sigma_s;
+                    other.timing.delay_per.site = true;
+                    other.timing.delay_sigma_s = sigma_s;
+                    return other;
+                  },
+                  {}}};
+}
+
+std::vector<Reading> points_elsewhere(const Site& site) {
+  std::vector<Reading> readings;
+  for (std::size_t b = 0; b < site.beacons.size(); ++b) {
+    if (!site.beacons[b].is_control_point()) continue;
+    const std::string& name = site.beacons[b].name;
+    const Eigen::Vector3d at = *site.beacons[b].place_m();
+    readings.push_back(
+        {{ContradictionKind::kControlPoint, name,
+          fmt::format("at ({:.3f}, {:.3f}, {:.3f}) m, held fixed", at.x(), at.y(), at.z()),
+          "that it is elsewhere: the others agree without it", 0.0,
+          fmt::format("survey control point {} again, check its label and its line in the site file", name)},
+         [b](const Site& stated) {
+           Site other = stated;
+           other.beacons[b].position_m = {};
+           other.beacons[b].sigma_m = {};
+           return other;
+         },
+         {}});
+  }
+  return readings;
+}
+
 std::vector<Reading> other_wirings(const Site& site, const Solution& solution) {
   std::vector<Reading> readings;
   const std::vector<bool> doubtful = doubtful_receivers(site, solution.trajectories);
@@ -161,6 +222,32 @@ std::vector<Reading> other_wirings(const Site& site, const Solution& solution) {
            [v, wiring](const Site& stated) { return rewired(stated, VehicleId(v), wiring); },
            {}});
   return readings;
+}
+
+bool are_all_placed(const Site& site) {
+  return std::ranges::all_of(site.beacons, [](const SiteBeacon& b) { return b.place_m().has_value(); });
+}
+
+Site without_what_is_blamed(const Site& site, const std::vector<Contradiction>& blamed) {
+  constexpr double kLooseReceiver_m = 0.5, kLooseSpeed_mps = 30.0, kLooseDelay = 100.0;
+  Site open = site;
+  for (const Contradiction& c : blamed) {
+    const auto names = [&](const std::string& name) {
+      return (", " + c.subject + ",").find(", " + name + ",") != std::string::npos;
+    };
+    for (SiteBeacon& b : open.beacons)
+      if ((c.kind == ContradictionKind::kControlPoint || c.kind == ContradictionKind::kExchanged) &&
+          names(b.name))
+        b.sigma_m = {};
+    if (c.kind == ContradictionKind::kSpeed) open.speed_sigma_mps = kLooseSpeed_mps;
+    if (c.kind == ContradictionKind::kReceiver)
+      for (SiteReceiver& r : open.receivers) r.sigma_m.setConstant(kLooseReceiver_m);
+    if (c.kind != ContradictionKind::kDelay) continue;
+    if (open.timing.delay_per.none()) open.timing.delay_per.beacon = true;
+    open.timing.delay_sigma_s = kLooseDelay * std::max(site.timing.delay_sigma_s, site.noise.tof_sigma_s);
+    for (SiteBeacon& b : open.beacons) b.delay_sigma_s.reset();
+  }
+  return open;
 }
 
 std::vector<Reading> other_site_frames(const Site& site) {

@@ -23,10 +23,22 @@ namespace octant::calib {
 [[nodiscard]] std::vector<Reading> exchanged_points(const Site& site);
 /// Receivers exchanged, mirrored, turned.
 [[nodiscard]] std::vector<Reading> other_wirings(const Site& site, const Solution& solution);
+/// Heights of all beacons with the wrong sign (z counts downwards in the site file); none where none are
+/// stated.
+[[nodiscard]] std::vector<Reading> heights_downwards(const Site& site);
+/// All times of flight longer or shorter by one delay that the site file does not have.
+[[nodiscard]] std::vector<Reading> common_delay(const Site& site, double typical_range_m);
+/// Each control point at another place than the stated one.
+[[nodiscard]] std::vector<Reading> points_elsewhere(const Site& site);
 /// Positions written in another frame than that of a vehicle (x forward, y left) or of a map (x, y as seen
 /// from above): the receivers with a coordinate of the wrong sign or x and y exchanged, which turns or
 /// mirrors them; the beacons mirrored. What changes nothing is left out. Where no pose and no odometry tells
 /// left from right, a mirrored map and mirrored receivers are one and the same to the ranges.
 [[nodiscard]] std::vector<Reading> other_site_frames(const Site& site);
+
+/// Whether the site file has a place of each beacon: else those without one hide a wrong scale of the others.
+[[nodiscard]] bool are_all_placed(const Site& site);
+/// The site with what contradictions blame left open: control points, delays, receivers, the speed.
+[[nodiscard]] Site without_what_is_blamed(const Site& site, const std::vector<Contradiction>& blamed);
 
 }  // namespace octant::calib

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -96,20 +97,65 @@ Solution refused_poses(const Problem& problem, const std::vector<std::size_t>& b
   return refused(std::move(direction));
 }
 
-Solution without_any_pose(const Problem& problem, const std::vector<bool>& beacon_found) {
+/// Share of the stops that hear at least three beacons.
+double share_of_stops_in_reach(const std::vector<Trajectory>& trajectories) {
+  constexpr std::size_t kBeacons = 3;
+  std::size_t stops = 0, in_reach = 0;
+  for (const Trajectory& t : trajectories)
+    for (const Segment& s : t.segments) {
+      std::set<BeaconId> heard;
+      for (std::size_t i = s.first_arrival; i < s.last_arrival; ++i) heard.insert(t.arrivals[i].beacon);
+      ++stops;
+      in_reach += heard.size() >= kBeacons;
+    }
+  return static_cast<double>(in_reach) / static_cast<double>(std::max<std::size_t>(stops, 1));
+}
+
+/// A run of a vehicle that moves of which nothing says how; none where there is none.
+std::optional<std::size_t> run_without_motion(const Problem& problem) {
+  for (std::size_t run = 0; run < problem.runs.size(); ++run) {
+    const MeasurementLog& log = problem.runs[run];
+    if (log.has_epochs || !log.odometry.empty() || !log.poses.empty() || log.arrivals.empty()) continue;
+    if (std::ranges::any_of(problem.site.vehicles, [](const SiteVehicle& v) { return v.motion.has_value(); }))
+      continue;
+    return run;
+  }
+  return std::nullopt;
+}
+
+/// All beacons are known, and still no pose comes of them.
+Solution without_pose_among_known(const Problem& problem, const std::vector<Trajectory>& trajectories,
+                                  const std::vector<std::size_t>& beacons) {
+  constexpr double kMany = 0.25;
+  if (const auto run = run_without_motion(problem))
+    return refused_poses(problem, beacons,
+                         fmt::format("where the vehicle was in {}: it has neither epochs nor odometry, and "
+                                     "one arrival at a time determines no pose",
+                                     problem.runs[*run].path),
+                         "number the stops in a column epoch, record odometry.csv or poses.tum, or state "
+                         "vehicles[].motion in the site file");
+  if (share_of_stops_in_reach(trajectories) > kMany)
+    return refused_poses(problem, beacons,
+                         "any place of the vehicle: its arrivals contradict what was stated, although enough "
+                         "beacons are received together",
+                         "check the positions and labels of the beacons, and the form in which the "
+                         "recording was written");
+  return refused_poses(
+      problem, beacons, "any place of the vehicle: hardly anywhere are three beacons received together",
+      "record at places where more beacons are received, or give measured poses of the vehicle");
+}
+
+Solution without_any_pose(const Problem& problem, const std::vector<Trajectory>& trajectories,
+                          const std::vector<bool>& beacon_found) {
   std::vector<std::size_t> lost, all(beacon_found.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   std::ranges::copy_if(all, std::back_inserter(lost), [&](std::size_t b) { return !beacon_found[b]; });
   std::vector<std::string> names;
   for (const std::size_t b : lost.empty() ? all : lost) names.push_back(problem.site.beacons[b].name);
-  // All beacons may be known without a pose, because too few are received together.
+  if (lost.empty()) return without_pose_among_known(problem, trajectories, all);
   return refused_poses(
-      problem, lost.empty() ? all : lost,
-      lost.empty()
-          ? fmt::format("any pose of the vehicle from beacons {}: no epoch hears enough of them at once",
-                        fmt::join(names, ", "))
-          : fmt::format("any pose of the vehicle, and with it the positions of beacons {}",
-                        fmt::join(names, ", ")),
+      problem, lost,
+      fmt::format("any pose of the vehicle, and with it the positions of beacons {}", fmt::join(names, ", ")),
       "give approximate positions of three beacons that do not stand in line with the path, or measured "
       "poses of the vehicle");
 }
@@ -136,7 +182,7 @@ std::optional<Solution> without_poses(const Problem& problem, const AdjustedLog&
   const bool all_held = are_all_held(problem.site);
   if (n.any_state && !(are_few && all_held)) return std::nullopt;
   if (all_held && is_known_in_line(problem, log)) return without_a_side(problem, n);
-  return without_any_pose(problem, log.estimate.beacon_usable);
+  return without_any_pose(problem, log.trajectories, log.estimate.beacon_usable);
 }
 
 }  // namespace octant::calib

@@ -6,23 +6,21 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <string>
+#include <optional>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "calib/problem/log_health.h"
+#include "calib/problem/ranges.h"
+#include "calib/statements/measured_path.h"
 #include "calib/statements/score_test.h"
+
 namespace octant::calib {
 namespace {
 
 using Kind = CommonError::Kind;
 using Span = std::pair<double, double>;
 
-/// Below this it is chance, or what a site's many small errors add up to.
+/// White noise shows hardly any of the many errors that are tested so clearly.
 constexpr double kBeyondChance = 6.0;
-/// Errors whose squared sigmas differ by less than this (twice a log likelihood) are told apart by nothing.
-constexpr double kAsLikely = 10.0;
 /// Looked at of a long recording.
 constexpr std::size_t kArrivals = 20'000;
 /// Times of a recording at which a jump is looked for.
@@ -31,16 +29,6 @@ constexpr Eigen::Index kJumps = 32;
 constexpr Eigen::Index kPoseGroups = 12;
 /// What is faster is no sound, whose speed hangs on the temperature.
 constexpr double kFasterThanSound_mps = 1e5;
-
-/// Of a recording: -1/2 at its beginning to 1/2 at its end.
-double share_of(const Span& span_s, double time_s) {
-  return (time_s - span_s.first) / (span_s.second - span_s.first) - 0.5;
-}
-
-double time_of(const Trajectory& t, const PoseObservation& pose) {
-  const double before_s = t.nodes[pose.node].time_s;
-  return pose.alpha > 0.0 ? before_s + pose.alpha * (t.nodes[pose.node + 1].time_s - before_s) : before_s;
-}
 
 /// When the arrivals and the measured poses of a run came.
 struct Times {
@@ -81,11 +69,11 @@ bool is_led_by_odometry(const Trajectory& t) {
 }
 
 /// The errors that are tested in a run, in order: odometry's way and turns, the medium's change, the clock's
-/// drift and its jumps; shifts of each group of measured poses by x, y, z.
+/// drift and its jumps; shifts of each group of measured poses by x, y, z, and how late these are stamped.
 class Patterns {
  public:
   static constexpr Eigen::Index kOfOdometry = 2, kBesidePoses = kOfOdometry + 2 + kJumps,
-                                kOfPoses = 3 * kPoseGroups;
+                                kOfPoses = 3 * kPoseGroups + 1, kLag = kBesidePoses + 3 * kPoseGroups;
 
   explicit Patterns(Times times) : times_(std::move(times)) {}
 
@@ -97,13 +85,16 @@ class Patterns {
     }
     if (row.kind != RowKind::kTof || !(times_.span_s.second > times_.span_s.first)) return false;
     const ArrivalObservation& a = t.arrivals[row.index];
-    const double share = share_of(times_.span_s, a.time_s);
+    const double share = share_of_span(times_.span_s, a.time_s);
     by[kOfOdometry] = -a.tof_s * share / a.sigma_s;
     by[kOfOdometry + 1] = share / a.sigma_s;
     for (Eigen::Index j = 0; j < kJumps; ++j)
       if (a.time_s >= times_.jump_s[static_cast<std::size_t>(j)]) by[kOfOdometry + 2 + j] = 1.0 / a.sigma_s;
     return true;
   }
+
+  /// Speed of the vehicle by its measured poses, where these are of a drive.
+  [[nodiscard]] double rms_speed_mps() const { return std::sqrt(speed2_sum_ / std::max(1.0, speeds_)); }
 
   /// Of a column behind odometry's.
   [[nodiscard]] CommonError error_of(Eigen::Index column, std::size_t run) const {
@@ -127,6 +118,12 @@ class Patterns {
     if (axis >= axes) return false;
     const auto group = std::ranges::upper_bound(times_.group_s, time_of(t, p)) - times_.group_s.begin();
     by[kBesidePoses + 3 * group + axis] = 1.0 / p.position_sigma_m;
+    if (!t.moving || t.poses.size() < 2) return true;
+    if (!path_ || path_->trajectory() != &t) path_.emplace(t);
+    const double along_mps = path_->velocity_at(time_of(t, p))[axis];
+    by[kLag] = -along_mps / p.position_sigma_m;
+    speed2_sum_ += along_mps * along_mps;
+    speeds_ += 1.0 / axes;
     return true;
   }
 
@@ -145,6 +142,8 @@ class Patterns {
   Times times_;
   int odometry_rows_ = 0, pose_rows_ = 0;
   const PoseObservation* pose_ = nullptr;  ///< whose rows come
+  std::optional<MeasuredPath> path_;
+  double speed2_sum_ = 0.0, speeds_ = 0.0;
 };
 
 /// The clearest shift of measured poses from a group of them on. Errors of poses that lie near each other may
@@ -179,6 +178,14 @@ CommonError shift_of_poses(const ScoreTest& test, const Times& times, std::size_
   return best;
 }
 
+double median_path_m(const std::vector<Trajectory>& trajectories) {
+  std::vector<double> paths_m;
+  for (const Trajectory& t : trajectories)
+    for (const ArrivalObservation& a : t.arrivals)
+      paths_m.push_back(a.tof_s * t.nominal_speed_mps / a.legs());
+  return median(std::move(paths_m));
+}
+
 /// By run, of so many segments one.
 std::map<std::size_t, std::vector<Trajectory>> some_of_each(const std::vector<Trajectory>& trajectories,
                                                             std::size_t stride) {
@@ -190,8 +197,8 @@ std::map<std::size_t, std::vector<Trajectory>> some_of_each(const std::vector<Tr
 /// Each error of each run beyond chance, and odometry's, of which all runs have one.
 class ErrorSearch {
  public:
-  ErrorSearch(const SharedState& state, const AdjustedParameters& parameters, double growth, int threads)
-      : state_(state), parameters_(parameters), growth_(growth), threads_(threads) {}
+  ErrorSearch(const SharedState& state, const AdjustedParameters& parameters, int threads)
+      : state_(state), parameters_(parameters), threads_(threads) {}
 
   std::vector<CommonError> run(const std::vector<Trajectory>& trajectories) {
     std::size_t arrivals = 0;
@@ -221,91 +228,53 @@ class ErrorSearch {
     of_all.add(test);                  // of which odometry's errors alone are one in all runs
     if (times.jump_s.empty()) return;  // nothing was heard
     const Trajectory& first = trajectories.front();
+    typical_range_m_ = median_path_m(trajectories);
     const bool is_sound = first.nominal_speed_mps < kFasterThanSound_mps;
     for (Eigen::Index column = Patterns::kOfOdometry; column < Patterns::kBesidePoses; ++column)
       if (const CommonError error = patterns.error_of(column, run); is_sound || error.kind != Kind::kSpeed)
         add(error, test.of_error(column, parameters_));
     if (times.group_s.empty()) return;
+    if (const double speed_mps = patterns.rms_speed_mps(); speed_mps > 0.0) {
+      speed_mps_ = speed_mps;
+      add({.kind = Kind::kLag, .run = run}, test.of_error(Patterns::kLag, parameters_));
+    }
     CommonError shift =
         shift_of_poses(test, times, run, first.motion == Motion::kPlanar ? 2 : 3, parameters_);
-    shift.sigmas /= growth_;
+    shift.length_m = shift.size;
     if (shift.sigmas > kBeyondChance) found_.push_back(shift);
+  }
+
+  /// Of ranges or of places.
+  [[nodiscard]] double length_m(const CommonError& error) const {
+    const double nominal_mps = parameters_.layout.nominal_speed_mps, size = std::abs(error.size);
+    switch (error.kind) {
+      case Kind::kDrift:
+      case Kind::kJump: return size * nominal_mps;
+      case Kind::kSpeed: return size * typical_range_m_;
+      case Kind::kLag: return size * speed_mps_;
+      default: return size;  // of odometry: of each metre of way
+    }
   }
 
   void add(CommonError error, const ScoreTest::Finding& finding) {
     error.size = finding.size[0];
-    error.sigmas = finding.sigmas / growth_;
+    error.sigmas = finding.sigmas;
+    error.length_m = length_m(error);
     if (std::abs(error.sigmas) > kBeyondChance) found_.push_back(error);
   }
 
   const SharedState& state_;
   AdjustedParameters parameters_;
-  double growth_;
   int threads_;
+  double typical_range_m_ = 0.0, speed_mps_ = 0.0;  ///< of the run that is examined
   std::vector<CommonError> found_;
 };
-
-/// Errors of different recordings, or of odometry and of arrivals, do not explain each other.
-bool are_rivals(const CommonError& a, const CommonError& b) {
-  return is_of_odometry(a) == is_of_odometry(b) && (is_of_odometry(a) || a.run == b.run);
-}
-
-Contradiction of_shift(const CommonError& e, const MeasurementLog& run) {
-  const Eigen::Vector3d shift_m = e.size * e.along, back_m = -shift_m;
-  const auto in_metres = [](const Eigen::Vector3d& p_m) {
-    return p_m.z() == 0.0 ? fmt::format("({:.3f}, {:.3f}) m", p_m.x(), p_m.y())
-                          : fmt::format("({:.3f}, {:.3f}, {:.3f}) m", p_m.x(), p_m.y(), p_m.z());
-  };
-  return {ContradictionKind::kPoses,
-          "in " + run.path + "/" + pose_file(run),
-          "poses in one frame throughout",
-          fmt::format("that from {:.6g} s on they are shifted by {}", e.time_s, in_metres(shift_m)),
-          e.sigmas,
-          fmt::format("look whether the instrument was set up again then; shift the later poses by {}, or "
-                      "leave them out",
-                      in_metres(back_m))};
-}
-
-std::string longer_by(double step_s) {
-  return fmt::format("{:.4g} ms {}", 1e3 * std::abs(step_s), step_s > 0 ? "longer" : "shorter");
-}
-
-Contradiction of_odometry(const CommonError& e, const std::string& file) {
-  const bool turns = e.kind == Kind::kTurns, much = e.size > 0;
-  return {
-      ContradictionKind::kLog,
-      file,
-      "metres and radians as the vehicle went them",
-      fmt::format("that {} {:.2g} % too {}", turns ? "its turns are" : "its way is", 100 * std::abs(e.size),
-                  turns ? (much ? "large" : "small") : (much ? "long" : "short")),
-      e.sigmas,
-      fmt::format("look at {}, or multiply {} by {:.4g}",
-                  turns ? "the distance between the wheels, or the gyroscope" : "the diameter of the wheels",
-                  turns ? "dheading_rad" : "dx_m and dy_m", 1.0 / (1.0 + e.size))};
-}
-
-Contradiction of_speed(const CommonError& e, const Site& site, const std::string& path) {
-  const double speed = speed_mps(site.medium),
-               per_degree = speed_mps(site.medium, site.medium.temperature_degC + 1) - speed;
-  const std::string air =
-      per_degree > 0 ? fmt::format(", as in air that {} by {:.2g} degC", e.size > 0 ? "warms" : "cools",
-                                   std::abs(e.size) * speed / per_degree)
-                     : "";
-  return {ContradictionKind::kLog,
-          path,
-          "the medium in one state throughout",
-          fmt::format("that sound is {:.2g} % {} at its end than at its beginning{}", 100 * std::abs(e.size),
-                      e.size > 0 ? "faster" : "slower", air),
-          e.sigmas,
-          "log the temperature with the arrivals (temperature_degC in tof.csv), or make a recording of each "
-          "part and state its temperature in run.yaml"};
-}
 
 }  // namespace
 
 std::vector<CommonError> common_errors(const std::vector<Trajectory>& trajectories, const SharedState& state,
-                                       const AdjustedParameters& parameters, double growth, int threads) {
-  std::vector<CommonError> all = ErrorSearch(state, parameters, growth, threads).run(trajectories);
+                                       const AdjustedParameters& parameters, int threads) {
+  std::vector<CommonError> all = ErrorSearch(state, parameters, threads).run(trajectories);
   std::ranges::stable_sort(all, std::ranges::greater{}, [](const auto& e) { return std::abs(e.sigmas); });
   std::vector<CommonError> errors;
   for (CommonError& e : all) {
@@ -313,73 +282,10 @@ std::vector<CommonError> common_errors(const std::vector<Trajectory>& trajectori
       return other.kind == e.kind && (is_of_odometry(e) || other.run == e.run);
     };
     if (std::ranges::any_of(errors, of_kind)) continue;
-    const auto likelier =
-        std::ranges::find_if(errors, [&](const auto& other) { return are_rivals(e, other); });
-    if (likelier != errors.end()) {
-      e.rank = CommonError::Rank::kLess;
-      if (likelier->sigmas * likelier->sigmas - e.sigmas * e.sigmas < kAsLikely)
-        likelier->rank = CommonError::Rank::kAmongEquals;
-    }
+    e.sigmas = std::abs(e.sigmas);
     errors.push_back(e);
   }
-  for (CommonError& e : errors) e.sigmas = std::abs(e.sigmas);
   return errors;
-}
-
-std::string jump_in_words(double time_s, double step_s) {
-  return fmt::format("from {:.6g} s on times of flight are {}", time_s, longer_by(step_s));
-}
-
-Contradiction contradiction_of(const CommonError& e, const Site& site,
-                               const std::vector<MeasurementLog>& runs) {
-  const std::string& path = runs[e.run].path;
-  if (is_of_odometry(e)) return of_odometry(e, path + "/odometry.csv");
-  if (e.kind == Kind::kSpeed) return of_speed(e, site, path);
-  if (e.kind == Kind::kShift) return of_shift(e, runs[e.run]);
-  if (e.kind == Kind::kDrift)
-    return {
-        ContradictionKind::kLog,
-        path,
-        "one clock throughout",
-        fmt::format("that it drifts: times of flight are {} at its end than at its beginning",
-                    longer_by(e.size)),
-        e.sigmas,
-        "look at what synchronises beacons and receivers, and let the electronics warm up before recording"};
-  return {ContradictionKind::kLog,
-          path,
-          "one clock throughout",
-          "that it jumped: " + jump_in_words(e.time_s, e.size),
-          e.sigmas,
-          "look at what synchronises beacons and receivers (a restart, a lost pulse), and leave out what was "
-          "recorded before the jump or after it"};
-}
-
-void take_back(const CommonError& e, Span span_s, MeasurementLog& run) {
-  const double factor = 1.0 / (1.0 + e.size);
-  if (is_of_odometry(e)) {
-    for (OdometryStep& step : run.odometry) {
-      if (e.kind == Kind::kTurns) step.dheading_rad *= factor;
-      if (e.kind == Kind::kWay) step.dx_m *= factor, step.dy_m *= factor, step.way_m *= factor;
-    }
-    return;
-  }
-  if (e.kind == Kind::kShift) {
-    for (TimedPose& pose : run.poses)
-      if (pose.time_s >= e.time_s) pose.T_map_vehicle.translation_m -= e.size * e.along;
-    return;
-  }
-  for (Arrival& a : run.arrivals) {
-    if (e.kind == Kind::kSpeed) a.tof_s /= 1.0 - e.size * share_of(span_s, a.time_s);
-    if (e.kind == Kind::kDrift) a.tof_s -= e.size * share_of(span_s, a.time_s);
-    if (e.kind == Kind::kJump && a.time_s >= e.time_s) a.tof_s -= e.size;
-  }
-}
-
-Span span_of(const std::vector<Arrival>& arrivals) {
-  Span span_s{INFINITY, -INFINITY};
-  for (const Arrival& a : arrivals)
-    span_s = {std::min(span_s.first, a.time_s), std::max(span_s.second, a.time_s)};
-  return span_s;
 }
 
 }  // namespace octant::calib

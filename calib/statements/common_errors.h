@@ -18,14 +18,14 @@
 
 namespace octant::calib {
 
-/// Those that residuals show beyond chance (score_test.h), of each recording and of odometry the clearest
-/// first, one of a kind. Of a long recording an evenly spread part is looked at.
+/// Those that residuals show beyond the chance of white noise (score_test.h), of each recording and of
+/// odometry the clearest first, one of a kind. They are hypotheses: an error that is not in the adjustment
+/// makes its own residuals look correlated, so only an adjustment without it says how sure it is
+/// (statements.h). Of a long recording an evenly spread part is examined.
 /// @param trajectories  adjusted; parameters.share says which part of those that the parameters are from
-/// @param growth        of sigmas by errors that are correlated
 [[nodiscard]] std::vector<CommonError> common_errors(const std::vector<Trajectory>& trajectories,
                                                      const SharedState& state,
-                                                     const AdjustedParameters& parameters, double growth,
-                                                     int threads = 1);
+                                                     const AdjustedParameters& parameters, int threads = 1);
 
 /// What it says against what is taken for granted, and what to do about it.
 [[nodiscard]] Contradiction contradiction_of(const CommonError& error, const Site& site,
@@ -34,6 +34,8 @@ namespace octant::calib {
 /// "from 12.5 s on times of flight are 0.12 ms longer"
 [[nodiscard]] std::string jump_in_words(double time_s, double step_s);
 
+/// Takes the error out of the trajectories of its run (all runs, if it is odometry's).
+void take_back(const CommonError& error, std::vector<Trajectory>& trajectories);
 /// Takes the error out of a run: observations as they would have been without it.
 /// @param span_s  of the whole recording's arrivals: when the first and the last came
 void take_back(const CommonError& error, std::pair<double, double> span_s, MeasurementLog& run);

@@ -3,6 +3,8 @@
 #include "calib/statements/hints.h"
 
 #include <algorithm>
+#include <map>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -43,6 +45,28 @@ bool needs_all(const Finding& f) {
   return f.kind == "gap" || f.kind == "constant" || f.kind == "temperature";
 }
 
+/// Beacons without a single arrival, where many rows were no measurement.
+std::vector<Finding> beacons_without_measurement(const Site& site, const std::vector<MeasurementLog>& runs) {
+  constexpr std::size_t kMany = 10;
+  std::vector<std::size_t> arrivals(site.beacons.size(), 0);
+  std::map<std::string, std::size_t> rejected;
+  for (const MeasurementLog& run : runs) {
+    for (const Arrival& a : run.arrivals) ++arrivals[a.beacon.index()];
+    for (const RejectedRow& row : run.rejected) ++rejected[row.reason];
+  }
+  const auto most = std::ranges::max_element(rejected, {}, [](const auto& reason) { return reason.second; });
+  std::vector<Finding> findings;
+  if (most == rejected.end() || most->second < kMany) return findings;
+  for (std::size_t b = 0; b < arrivals.size(); ++b)
+    if (arrivals[b] == 0)
+      findings.push_back(
+          {"beacon_without_measurement",
+           fmt::format("beacon {} has no usable arrival, while {} rows were rejected ({}). If they are its "
+                       "own, it has a wrong constant delay or sends a default value: check its settings",
+                       site.beacons[b].name, most->second, most->first)});
+  return findings;
+}
+
 }  // namespace
 
 /// Places that hold nothing, at a site without a control point: an oversight more often than not.
@@ -73,6 +97,7 @@ std::vector<Finding> site_hints(const Site& site) {
 
 std::vector<Finding> log_hints(const Site& site, const std::vector<MeasurementLog>& runs) {
   std::vector<Finding> findings = site_hints(site);
+  for (Finding& f : beacons_without_measurement(site, runs)) findings.push_back(std::move(f));
   std::vector<RunHealth> health;
   bool all = true;
   for (const MeasurementLog& run : runs) {

@@ -12,6 +12,7 @@
 #include "calib/adjust/information.h"
 #include "calib/adjust/priors.h"
 #include "calib/problem/log_totals.h"
+#include "calib/statements/error_fit.h"
 #include "calib/statements/refit.h"
 #include "calib/statements/statement.h"
 #include "calib/statements/statement_words.h"
@@ -34,6 +35,13 @@ constexpr double kMostlyLeftOut = 0.3;
 /// there are more of them.
 constexpr double kPlainlyBetter = 16.0;
 constexpr std::size_t kMostSuspects = 8, kMostCulprits = 4;
+/// An error that observations have in common is beyond chance at so many sigmas: some dozens are tested.
+constexpr double kErrorSigmas = 6.0;
+/// It contradicts what was stated where it leaves no more than this share of the squares.
+constexpr double kLeavesLess = 0.5;
+constexpr std::size_t kMostErrors = 4;
+/// Errors whose log likelihoods differ by less are equally likely.
+constexpr double kEquallyLikely = 5.0;
 
 /// A difference of what was stated and what was found.
 struct Difference {
@@ -70,26 +78,37 @@ class StatementTest {
 
   StatementFindings run() {
     if (!now_.x.allFinite()) return {};
+    errors_ = errors_of(options_, now_);
+    StatementFindings found;
     std::vector<double> sigmas;
-    while (released_.size() < kMostCulprits) {
+    while (released_.size() + found.errors.size() < kMostCulprits) {
       auto culprit = next_culprit();
       if (!culprit) break;
+      if (culprit->error) {
+        say(*culprit, found);
+      } else {
+        released_.push_back(culprit->statement);
+        sigmas.push_back(culprit->sigmas);
+      }
       now_ = std::move(culprit->fit);
-      released_.push_back(culprit->statement);
-      sigmas.push_back(culprit->sigmas);
+      if (culprit->error) noise_ *= adjust_to_noise(options_, now_);
     }
+    now_.noise_factor *= noise_;
     // By the last adjustment, in which all of them are released.
-    std::vector<Contradiction> found = in_words(stated_, now_, released_, sigmas);
-    return {std::move(found), std::move(now_)};
+    for (Contradiction& c : in_words(stated_, now_, released_, sigmas))
+      found.contradictions.push_back(std::move(c));
+    found.fit = std::move(now_);
+    return found;
   }
 
  private:
   [[nodiscard]] const Site& site() const { return whole_.site; }
 
   struct Culprit {
-    Statement statement;
+    Statement statement;  ///< released, where no error of the observations is the culprit
     Fit fit;
     double sigmas = 0.0;
+    std::optional<CommonError> error = {}, or_else = {};  ///< one that is as likely
   };
 
   // Without a new solve
@@ -219,18 +238,56 @@ class StatementTest {
     std::optional<Culprit> best;
     for (const Suspect& suspect : suspects())
       if (auto c = culprit(suspect.statement, best ? best->fit.cost : now_.cost)) best = std::move(c);
-    if (!best) return best;
     // A wrong delay or speed of all bends what it can reach, and a good control point is the one to be
     // blamed.
-    for (const Statement& cause : stated_.common_causes())
-      if (!is_released(cause))
-        if (auto c = culprit(cause, best->fit.cost - kPlainlyBetter)) best = std::move(c);
+    if (best)
+      for (const Statement& cause : stated_.common_causes())
+        if (!is_released(cause))
+          if (auto c = culprit(cause, best->fit.cost - kPlainlyBetter)) best = std::move(c);
+    for (std::size_t i = 0; i < std::min(errors_.size(), kMostErrors); ++i) {
+      std::optional<Culprit> c = culprit(errors_[i]);
+      if (!c) continue;
+      if (best && best->error &&
+          std::abs(best->fit.cost - c->fit.cost) <
+              kEquallyLikely * noise_variance(c->fit, options_.threads)) {
+        best->or_else = c->error;
+      } else if (!best || c->fit.cost < best->fit.cost) {
+        best = std::move(c);
+      }
+    }
     return best;
+  }
+
+  // Errors of many observations
+  // -----------------------------------------------------------------------------------------
+
+  /// An error, where its removal makes the recording likelier beyond chance, by a length that matters.
+  [[nodiscard]] std::optional<Culprit> culprit(const CommonError& error) const {
+    std::optional<ErrorFit> without = fit_without(options_, now_, error);
+    if (!without || without->error.sigmas < kErrorSigmas ||
+        without->error.length_m < kMatters * tolerance_m(whole_))
+      return {};
+    return Culprit{{}, std::move(without->fit), without->error.sigmas, without->error, {}};
+  }
+
+  /// In words: a contradiction where it explains most of the misfit, or is of what cannot be a little so.
+  void say(const Culprit& c, StatementFindings& found) const {
+    using Kind = CommonError::Kind;
+    Contradiction what = contradiction_of(*c.error, site(), whole_.runs);
+    if (c.or_else) what.found += ", or else " + contradiction_of(*c.or_else, site(), whole_.runs).found;
+    const Kind kind = c.error->kind;
+    const bool is_stated = is_of_odometry(*c.error) || kind == Kind::kJump || kind == Kind::kShift;
+    if (c.fit.cost < kLeavesLess * now_.cost || (is_stated && !c.or_else)) {
+      found.contradictions.push_back(std::move(what));
+    } else {
+      found.warnings.push_back(octant::in_words(what) + "; " + what.remedy);
+    }
+    found.errors.push_back(*c.error);
   }
 
   /// A statement, where its release costs less than another explanation and it is contradicted then.
   [[nodiscard]] std::optional<Culprit> culprit(const Statement& s, double other_cost) const {
-    Culprit c{s, released(s), 0.0};
+    Culprit c{s, released(s), 0.0, {}, {}};
     if (!c.fit.ok || !(c.fit.cost < other_cost)) return {};
     const Difference d = difference(s, c.fit);
     if (!is_contradicted(d)) return {};
@@ -308,6 +365,8 @@ class StatementTest {
   Fit now_;  ///< all that was released stays so
   StatedSite stated_;
   std::vector<Statement> all_, released_;
+  std::vector<CommonError> errors_;  ///< hypotheses, by the residuals as stated
+  double noise_ = 1.0;               ///< by which arrivals are weighted now, over that at the beginning
 };
 
 }  // namespace

@@ -3,9 +3,11 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "calib/start/approach.h"
+#include "calib/statements/common_errors.h"
 #include "calib/statements/refit.h"
 #include "models/contradiction.h"
 
@@ -13,6 +15,8 @@ namespace octant::calib {
 
 struct StatementFindings {
   std::vector<Contradiction> contradictions;
+  std::vector<std::string> warnings;  ///< of errors that explain only a part of the misfit
+  std::vector<CommonError> errors;    ///< that many observations have in common, the clearest first
   std::optional<Fit>
       fit;  ///< in which nothing that the data contradict is believed any more; none where nothing was tested
 };
@@ -29,6 +33,13 @@ struct StatementFindings {
 /// find (with the covariance that holds with their errors) and what was stated differ beyond chance,
 /// Bonferroni over all that is tested, and by a length that matters. Of several the one whose release
 /// explains most is the culprit; it stays released and the search goes on.
+///
+/// Errors that many observations have in common (common_errors.h: a clock that drifts or jumps, poses that
+/// are stamped late, a medium that changes) are suspects like the statements, so that one cause is preferred
+/// to several statements that would each have to be false. Each is taken out of the observations, which are
+/// adjusted again, and its size is refined. It is found where the likelihood, by the noise and the
+/// correlation that it leaves, gains more than chance. It contradicts what was stated where it explains most
+/// of the misfit; a smaller one is a warning. Of two that are equally likely both are named.
 ///
 /// @param trajectories  solved at the estimate, outliers rejected
 /// Empty for sites of more than ParameterLayout::dense_limit parameters, which are not tested.

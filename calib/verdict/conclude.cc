@@ -155,35 +155,36 @@ bool is_bent_by_a_clock(const Problem& problem, const Solution& solution) {
   return are_many_left_out(problem, solution) && ranges_show_a_jump(problem.site, problem.runs);
 }
 
+bool are_few_left_out(const std::vector<Trajectory>& trajectories) {
+  constexpr double kFew = 0.15;
+  std::size_t all = 0, out = 0;
+  for (const Trajectory& t : trajectories)
+    for (const ArrivalObservation& a : t.arrivals) ++all, out += is_outlier(a.rejection);
+  return static_cast<double>(out) <= kFew * static_cast<double>(all);
+}
+
 /// What was stated, and the recording with itself, against what the data say.
 void contradict(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
                 const std::vector<Trajectory>& trajectories, Solution& solution) {
   StatementFindings stated = test_statements(problem, options, estimate, trajectories);
+  solution.common_errors = std::move(stated.errors);
   for (Contradiction& c : stated.contradictions) solution.contradictions.push_back(std::move(c));
   if (!stated.fit) return;
+  if (are_few_left_out(stated.fit->trajectories))
+    for (CommonError& e : solution.common_errors)
+      e.noise_left = stated.fit->noise_factor * estimate.noise_factor;
   Agreement agreement =
       agreement_of(problem, options, *stated.fit, solution.contradictions, growth_of_sigmas(solution));
   for (Contradiction& c : agreement.contradictions) solution.contradictions.push_back(std::move(c));
   for (std::string& warning : agreement.warnings) solution.warnings.push_back(std::move(warning));
+  if (solution.contradictions.empty())
+    for (std::string& warning : stated.warnings) solution.warnings.push_back(std::move(warning));
 }
 
-/// Errors that observations have in common. A clock that jumped and odometry of another scale speak against
-/// what was stated; a medium that changes and a clock that drifts are told, as all sites have some of it.
-void tell_common_errors(const Problem& problem, Solution& solution) {
-  for (const CommonError& e : solution.common_errors) {
-    if (e.rank == CommonError::Rank::kLess) continue;
-    Contradiction told = contradiction_of(e, problem.site, problem.runs);
-    const bool is_stated =
-        is_of_odometry(e) || e.kind == CommonError::Kind::kJump || e.kind == CommonError::Kind::kShift;
-    if (is_stated && e.rank == CommonError::Rank::kAlone) {
-      solution.contradictions.push_back(std::move(told));
-      continue;
-    }
-    std::string warning = in_words(told) + "; " + told.remedy;
-    if (e.rank == CommonError::Rank::kAmongEquals)
-      warning += "; other errors (a medium that changes, a clock that drifts or jumped) look alike here";
-    solution.warnings.push_back(std::move(warning));
-  }
+/// A refusal by sigmas that the misfit made so large: what causes the misfit comes first.
+bool is_refused_for_misfit(const Solution& solution, const Estimate& estimate) {
+  constexpr double kMisfit = 2.0;  // times the stated noise
+  return solution.status == SolveStatus::kUndetermined && estimate.noise_factor > kMisfit;
 }
 
 /// Covariance and verdict, and only these, from other weights of the observations.
@@ -237,14 +238,11 @@ void conclude_as_is(const Problem& problem, const SolveOptions& options, const E
   const bool is_whole = !is_subsampled && (!findings.totals || findings.totals->stride == 1);
   solution.totals = std::move(findings.totals);
   solution.warnings.insert(solution.warnings.end(), findings.flips.begin(), findings.flips.end());
-  if (solution.status == SolveStatus::kConverged && !is_bent_by_a_clock(problem, solution))
+  if ((solution.status == SolveStatus::kConverged || is_refused_for_misfit(solution, estimate)) &&
+      !is_bent_by_a_clock(problem, solution))
     contradict(problem, options, estimate, trajectories, solution);
-  if (solution.status == SolveStatus::kConverged)
-    solution.common_errors = common_errors(trajectories, solution.state, {estimate.layout, C, share_of_log},
-                                           growth_of_sigmas(solution), options.threads);
   const std::string shadowed =
       is_whole ? allow_for_shadows(problem, estimate, C, trajectories, solution) : "";
-  if (solution.contradictions.empty()) tell_common_errors(problem, solution);
   if (!solution.contradictions.empty())
     return;  // which tell the culprit; what follows would name the innocent
   warn_of_noise(problem, estimate, trajectories, options.threads, solution);

@@ -53,8 +53,8 @@ class Judge {
     }
     for (std::size_t b = 0; b < site_.beacons.size(); ++b) {
       BeaconStatus status = BeaconStatus::kCalibrated;
-      const double sigma_m = std::max(worst_sigma_m(C_.block(layout_.beacon[b])),
-                                      sigma_of(C_, layout_.column_of(parameters::beacon_delay(b))));
+      const double sigma_m = worst_sigma_m(C_.block(layout_.beacon[b]));
+      const int delay = layout_.column_of(parameters::beacon_delay(b));
       if (site_.beacons[b].is_control_point()) {
         status = BeaconStatus::kControlPoint;
       } else {
@@ -75,6 +75,12 @@ class Judge {
                            "hear it from places spread around it in all directions, or tape its "
                            "distance to a control point",
                            sigma_m);
+        } else if (sigma_of(C_, delay) > limit_m_ && is_felt(delay)) {
+          status = undetermined(b,
+                                fmt::format("its delay is known to {} of range only, the tolerance is {}",
+                                            length_in_words(sigma_of(C_, delay)), length_in_words(limit_m_)),
+                                "hear it from near and from far, or measure its delay at a known distance",
+                                sigma_of(C_, delay));
         } else if (estimate_.beacon_mirrored[b]) {
           status = undetermined(b, "a mirror image explains the arrivals as well",
                                 "say more closely where it is (its height, or its side of the line driven), "
@@ -147,6 +153,16 @@ class Judge {
     solution_.weak.push_back(
         {fmt::format("beacon {} ({})", beacon, why), {name}, sigma_m, 0.0, remedy, false, true});
     return BeaconStatus::kUndetermined;
+  }
+
+  /// Whether fixes are off beyond their tolerance by what is not known of a parameter, with all that moves
+  /// along with it: delays that beacons and receivers share out among themselves are felt by none.
+  [[nodiscard]] bool is_felt(int column) const {
+    const Eigen::VectorXd with_it = C_.times(Eigen::VectorXd::Unit(layout_.size(), column));
+    if (!(sigma_of(C_, column) < typical_range_m(problem_))) return true;
+    const std::optional<double> fix_m =
+        fix_shift_m(layout_, estimate_.x, estimate_.x + with_it / std::sqrt(with_it[column]), trajectories_);
+    return !fix_m || *fix_m > fix_limit_m_;
   }
 
   void block(WeakDirection direction) {

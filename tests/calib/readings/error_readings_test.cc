@@ -39,33 +39,25 @@ TEST(OdometryOfOtherScale, IsReadAsTheVehicleWent) {
   EXPECT_NEAR(run.odometry[0].dheading_rad, 0.2 / 0.9, 1e-12);
 }
 
-TEST(WithCommonErrors, TakesThemBackFromTheRunThatHasThem) {
-  std::vector<MeasurementLog> runs(2);
-  for (MeasurementLog& run : runs)
-    for (const double time_s : {10.0, 15.0, 20.0}) run.arrivals.push_back({.time_s = time_s, .tof_s = 0.02});
-  const Site site;
+TEST(TakeBack, LeavesTheObservationsWithoutTheError) {
+  MeasurementLog run;
+  for (const double time_s : {10.0, 15.0, 20.0}) run.arrivals.push_back({.time_s = time_s, .tof_s = 0.02});
+  const std::pair<double, double> span_s = calib::span_of(run.arrivals);
   using Kind = calib::CommonError::Kind;
-  const auto families =
-      calib::with_common_errors({{.kind = Kind::kTurns, .size = 0.1},
-                                 {.kind = Kind::kSpeed, .run = 1, .size = 0.01},
-                                 {.kind = Kind::kDrift, .run = 1, .size = -1e-4},
-                                 {.kind = Kind::kJump, .run = 1, .time_s = 15.0, .size = 2e-5}},
-                                site, runs);
-  ASSERT_EQ(families.size(), 3U) << "odometry's has a family of its own";
-  EXPECT_LT(families[2].least, 2e-5);
-  EXPECT_GT(families[2].most, 1e-4) << "what all bend to comes out too small";
-  const auto read = [&](std::size_t family, double size, std::size_t run) {
-    MeasurementLog log = runs[run];
-    families[family].reading(size).log(run, log);
+  const auto without = [&](const calib::CommonError& error) {
+    MeasurementLog log = run;
+    calib::take_back(error, span_s, log);
     return std::vector<double>{log.arrivals[0].tof_s, log.arrivals[1].tof_s, log.arrivals[2].tof_s};
   };
   using ::testing::DoubleNear;
   using ::testing::ElementsAre;
   const auto near = [](double value) { return DoubleNear(value, 1e-15); };
-  EXPECT_THAT(read(0, 0.02, 1), ElementsAre(near(0.02 / 1.01), near(0.02), near(0.02 / 0.99)));
-  EXPECT_THAT(read(1, 4e-4, 1), ElementsAre(near(0.0202), near(0.02), near(0.0198)));
-  EXPECT_THAT(read(2, 3e-5, 1), ElementsAre(near(0.02), near(0.01997), near(0.01997)));
-  EXPECT_THAT(read(2, 3e-5, 0), ElementsAre(near(0.02), near(0.02), near(0.02))) << "another recording";
+  EXPECT_THAT(without({.kind = Kind::kSpeed, .size = 0.02}),
+              ElementsAre(near(0.02 / 1.01), near(0.02), near(0.02 / 0.99)));
+  EXPECT_THAT(without({.kind = Kind::kDrift, .size = 4e-4}),
+              ElementsAre(near(0.0202), near(0.02), near(0.0198)));
+  EXPECT_THAT(without({.kind = Kind::kJump, .time_s = 15.0, .size = 3e-5}),
+              ElementsAre(near(0.02), near(0.01997), near(0.01997)));
 }
 
 TEST(OdometryOfOtherScale, IsNoneWithoutOdometryOrInSpace) {

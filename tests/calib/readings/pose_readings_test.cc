@@ -53,7 +53,7 @@ TEST(OtherPoseFrames, MirrorEveryPoseOfEveryRun) {
   std::vector<MeasurementLog> runs(2);
   runs[1].poses = {{0.0, Pose::planar(1, 2, 0.3)}, {1.0, Pose::planar(3, -1, 2.0)}};
   const auto readings = calib::other_pose_frames(runs);
-  ASSERT_EQ(readings.size(), 4U);
+  ASSERT_EQ(readings.size(), 5U);
   MeasurementLog run = runs[1];
   readings[0].log(1, run);
   EXPECT_EQ(run.poses[0].T_map_vehicle.translation_m, Eigen::Vector3d(1, -2, 0));
