@@ -17,9 +17,9 @@ using Held = std::vector<std::size_t>;
 
 /// Least squares on the columns of some hypotheses.
 struct ChangeFit {
-  double explained = 0.0;  ///< of chi-square
+  double explained = 0.0;  ///< decrease of chi-square
   int rank = 0;
-  Eigen::VectorXd estimate;  ///< hypothesis after hypothesis
+  Eigen::VectorXd estimate;  ///< values of all hypotheses, one after the other
   Eigen::MatrixXd covariance;
 };
 
@@ -60,7 +60,7 @@ class ChangeSearcher {
     }
     ChangeFit out;
     if (columns.empty()) return out;
-    // In units of the prior: information of at least one halves a variance, and counts as a freedom.
+    // In units of the prior: information of at least one halves a variance and counts as a degree of freedom.
     const Eigen::Map<const Eigen::VectorXd> sigma(sigmas.data(), static_cast<Eigen::Index>(sigmas.size()));
     const SymmetricEigen<Eigen::MatrixXd> eigen(sigma.asDiagonal() * G_(columns, columns) *
                                                 sigma.asDiagonal());
@@ -73,14 +73,14 @@ class ChangeSearcher {
     return out;
   }
 
-  /// Squares left and prices.
+  /// Remaining sum of squares plus costs.
   [[nodiscard]] double cost(const Held& held) const {
     double total = out_.chi2 - fit(held).explained;
     for (const std::size_t k : held) total += price_[k];
     return total;
   }
 
-  /// The best of all single steps: one more, one less, or another in the place of one.
+  /// Makes the best single step: one change more, one less, or one replaced.
   bool improve() {
     Held best;
     double least = cost(held_) - 1e-9 * (1.0 + out_.chi2);
@@ -119,7 +119,7 @@ class ChangeSearcher {
       std::ranges::copy_if(held_, std::back_inserter(without), [k](std::size_t other) { return other != k; });
       t.held = without.size() < held_.size();
       if (!t.held) with.push_back(k);
-      // Its own columns first, so that they head the estimate.
+      // Its own columns come first, so that they are at the head of the estimate.
       std::stable_partition(with.begin(), with.end(), [k](std::size_t other) { return other == k; });
       const ChangeFit fitted = fit(with);
       const ChangeFit rest = fit(without);

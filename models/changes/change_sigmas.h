@@ -7,25 +7,25 @@
 
 namespace octant {
 
-/// Standard deviations of changes, one for each kind of parameter of which a change is looked for.
+/// Standard deviations of changes for each kind of parameter that may change.
 struct ChangeSigmas {
-  double beacon_m = 0.0;  ///< per axis
+  double beacon_m = 0.0;  ///< each axis
   double delay_s = 0.0;
-  double receiver_m = 0.0;  ///< per axis
+  double receiver_m = 0.0;  ///< each axis
   double speed_mps = 0.0;
   double log_gain = 0.0;
 
-  /// 0 for parameters of which no change is looked for.
+  /// Returns 0 for parameters that are not tested for changes.
   [[nodiscard]] double of(const ParameterId& parameter) const;
 };
 
-/// Media differ in noise, and delays are worth range by their speed.
+/// Kinds of media, which differ in noise and in the range that corresponds to a delay.
 enum class MediumKind { kAir, kWater, kRadio };
 [[nodiscard]] MediumKind medium_kind(double speed_mps);
 
-/// Changes of a usual size: somebody moved or replaced something.
+/// Typical size of a change, as when something is moved or replaced.
 [[nodiscard]] ChangeSigmas usual_changes(double speed_mps);
-/// Prior of a parameter that is known to have changed: nothing earlier is believed.
+/// Prior of a parameter that is known to have changed, independent of its earlier value.
 [[nodiscard]] ChangeSigmas released_sigmas(double speed_mps);
 
 /// Drift between two visits that are so many months apart: in quadrature, the differences between two visits

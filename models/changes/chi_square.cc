@@ -9,7 +9,7 @@
 namespace octant {
 namespace {
 
-/// e^(z^2) erfc(z), z >= 0: by the continued fraction where erfc would run out of digits.
+/// e^(z^2) erfc(z) for z >= 0; by a continued fraction where erfc would underflow.
 double scaled_erfc(double z) {
   constexpr double kFar = 5.0;
   if (z < kFar) return std::exp(z * z) * std::erfc(z);

@@ -58,7 +58,7 @@ const DeploymentBeacon& beacon_named(const Deployment& d, const std::string& nam
   return *std::ranges::find(d.beacons, name, &DeploymentBeacon::name);
 }
 
-/// Whether a change of a delay is that of a beacon which took another one's name.
+/// Returns true if a change of delay is explained by a beacon that got the name of another one.
 bool is_delay_of(const Change& c, const DeploymentBeacon& named, const DeploymentBeacon& device) {
   constexpr double kSigmas = 4.0;
   return c.kind == ChangeKind::kDelay && c.subject == named.name &&
@@ -66,8 +66,8 @@ bool is_delay_of(const Change& c, const DeploymentBeacon& named, const Deploymen
              kSigmas * std::hypot(c.sigma, named.delay_sigma_s, device.delay_sigma_s);
 }
 
-/// Two that moved to each other's places, to a quarter of the way, became one change. Their delays went with
-/// them.
+/// Combines two beacons that moved to each other's positions, to within a quarter of their distance, into one
+/// change. Their delays moved with them.
 void name_exchanges(const Deployment& d, std::vector<Change>& changes) {
   constexpr double kNear = 0.25;
   std::vector<std::pair<const DeploymentBeacon*, const DeploymentBeacon*>> exchanged;
@@ -93,7 +93,8 @@ void name_exchanges(const Deployment& d, std::vector<Change>& changes) {
     });
 }
 
-/// Whether anything holds the map: of a free network the covariance says nothing of its place.
+/// Returns true if the map is constrained. In a free network the covariance contains no information about its
+/// position.
 bool frame_is_held(const Deployment& d) {
   const auto is_free = [](const std::string& by) {
     return by.find("inner constraints") != std::string::npos;
@@ -101,21 +102,21 @@ bool frame_is_held(const Deployment& d) {
   return !is_free(d.datum.position) && !is_free(d.datum.orientation);
 }
 
-/// Directions in the parameters, as the motions of the map are, as columns of their own.
+/// Appends directions in the parameters, such as motions of the map, as columns.
 Innovation with_directions(const Innovation& innovation, const Eigen::MatrixXd& T) {
   Innovation out{Eigen::MatrixXd(innovation.B.rows(), innovation.B.cols() + T.cols()), innovation.y,
                  innovation.degrees_of_freedom};
   Eigen::MatrixXd moved = innovation.B.leftCols(T.rows()) * T;
-  // What a kilometre would not show is not seen: rounding is no information.
+  // Directions whose effect at 1 km is below rounding error are unobservable.
   for (Eigen::Index k = 0; k < T.cols(); ++k)
     if (moved.col(k).norm() < kUnobservablePerMetre) moved.col(k).setZero();
   out.B << innovation.B, moved;
   return out;
 }
 
-/// The delays of all beacons together: other electronics, or another synchronisation, of the vehicle.
+/// Common change of all delays: other electronics, or another synchronisation of the vehicle.
 Eigen::VectorXd common_delay(const KnownParameters& known) {
-  constexpr std::size_t kFewest = 3;  // two are two beacons
+  constexpr std::size_t kFewest = 3;  // two changes are reported as two beacons
   Eigen::VectorXd direction = Eigen::VectorXd::Zero(known.size());
   std::size_t count = 0;
   for (Eigen::Index i = 0; i < known.size(); ++i)
@@ -126,7 +127,7 @@ Eigen::VectorXd common_delay(const KnownParameters& known) {
   return count >= kFewest ? direction : Eigen::VectorXd();
 }
 
-/// Places of beacons that are no control points: with all of them moved the search begins as well.
+/// Positions of beacons that are not control points; the search also starts with all of them moved.
 std::vector<std::size_t> moves_of_free_beacons(const Deployment& d,
                                                const std::vector<ChangeHypothesis>& hypotheses) {
   std::vector<std::size_t> moves;
@@ -137,7 +138,7 @@ std::vector<std::size_t> moves_of_free_beacons(const Deployment& d,
   return moves;
 }
 
-/// Parameters that both deployments know, in the order of the first.
+/// Parameters that both deployments have, in the order of the first.
 struct CommonParameters {
   KnownParameters before, now;
 };
@@ -157,7 +158,7 @@ CommonParameters common_parameters(const Deployment& before, const Deployment& n
   const NameTable names = names_of(before), present = names_of(now);
   const ParameterLookup lookup(present);
   const ParameterIndex column(b.parameters);
-  // Offsets are of one model at one temperature.
+  // Speed offsets are comparable only for the same model and temperature.
   if (const int speed = column[parameters::speed()]; speed >= 0)
     b.value[speed] =
         now.speed_mps(now.medium.temperature_degC) - speed_mps(before.medium, now.medium.temperature_degC);
@@ -171,7 +172,7 @@ CommonParameters common_parameters(const Deployment& before, const Deployment& n
   return {part_of_known(a, of_a), part_of_known(b, of_b)};
 }
 
-/// The same parameters by the indices of another deployment.
+/// Converts released parameters to the indices of another deployment.
 Released by_indices_of(const Deployment& d, const Released& released, const Deployment& of) {
   const NameTable names = names_of(d), other = names_of(of);
   const ParameterLookup lookup(names);
@@ -181,8 +182,8 @@ Released by_indices_of(const Deployment& d, const Released& released, const Depl
   return same;
 }
 
-/// What the second visit alone said, of what it told; parameters that are held in the second deployment stay
-/// as they were.
+/// Information of the second visit alone. Parameters that are fixed in the second deployment count as
+/// unchanged.
 Innovation second_visit(const CommonParameters& common, const Deployment& before, const Deployment& now) {
   std::vector<int> free;
   for (Eigen::Index i = 0; i < common.now.size(); ++i)

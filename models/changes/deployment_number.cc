@@ -11,15 +11,15 @@
 namespace octant {
 namespace {
 
-/// Where a deployment has a number; null: nowhere.
+/// Address of a value in a deployment; null if it is not stored.
 struct NumberPlace {
   double* value = nullptr;
   double* sigma = nullptr;
-  bool is_logarithm = false;  ///< the deployment holds its exponential
+  bool is_logarithm = false;  ///< true if the deployment stores the exponential
 };
 
-/// Visitor: see visit_parameter. An array stands on its receivers, the site's delay on the beacons, a pair's
-/// bias is no localizer's.
+/// Visitor for visit_parameter. An array acts through its receivers and a common delay through the beacons;
+/// localizers do not use biases of pairs.
 struct InDeployment : HasNothing<NumberPlace> {
   Deployment& d;
   explicit InDeployment(Deployment& of) : d(of) {}
@@ -49,7 +49,7 @@ struct InDeployment : HasNothing<NumberPlace> {
 }  // namespace
 
 DeploymentNumber number_in(const Deployment& deployment, const ParameterId& id) {
-  // Nothing is written through the places.
+  // The addresses are only read.
   const NumberPlace place = visit_parameter(id, InDeployment(const_cast<Deployment&>(deployment)));
   if (place.value == nullptr) return {};
   return {place.is_logarithm ? std::log(*place.value) : *place.value,

@@ -7,17 +7,17 @@
 
 namespace octant {
 
-/// A number of a deployment that all arrivals share, and its standard deviation.
+/// Value of a shared parameter in a deployment, with its standard deviation.
 struct DeploymentNumber {
   double value = 0.0;
-  double sigma = 0.0;  ///< 0 where the deployment states none beside the value
+  double sigma = 0.0;  ///< 0 if the deployment has no sigma for the value
 };
 
-/// What a deployment holds of a parameter; 0 of what it does not hold: an array as a whole stands on its
-/// receivers, a site's one delay on the beacons, and biases of pairs are forgotten.
+/// Value of a parameter in a deployment. 0 for parameters that it does not store: an array acts through its
+/// receivers, a common delay through the beacons, and biases of pairs are not stored.
 [[nodiscard]] DeploymentNumber number_in(const Deployment& deployment, const ParameterId& id);
 
-/// Writes it, its sigma where the deployment has room for one; nothing where it holds no such parameter.
+/// Writes a value, and its sigma if the deployment has one. No effect if it does not store the parameter.
 void set_number(const ParameterId& id, const DeploymentNumber& number, Deployment& deployment);
 
 }  // namespace octant

@@ -12,10 +12,10 @@
 namespace octant {
 namespace {
 
-/// Of the whole, which a direction must tell to count.
+/// Smallest share of the total that a direction must determine.
 constexpr double kUnobservableShare = 1e-9;
 
-/// L of C = L L', by Cholesky's decomposition of the correlations.
+/// L of C = L L', by a Cholesky decomposition of the correlations.
 class Root {
  public:
   explicit Root(const Eigen::MatrixXd& covariance) : unit_(covariance), llt_(unit_.scaled) {}
@@ -45,7 +45,7 @@ Innovation innovation_of_difference(const Eigen::VectorXd& difference, const Eig
 
 Innovation innovation_of_information(const Eigen::MatrixXd& P, const Eigen::MatrixXd& N,
                                      const Eigen::VectorXd& gradient) {
-  if (P.rows() == 0) return {};  // everything is held: nothing can have changed
+  if (P.rows() == 0) return {};  // all parameters are fixed, so there are no changes
   const Root root(P);
   const Eigen::MatrixXd L = root.lower();
   const SymmetricEigen<Eigen::MatrixXd> eigen(L.transpose() * N * L);

@@ -32,7 +32,7 @@ std::vector<ParameterId> parameters_of(const Deployment& d) {
   return all;
 }
 
-/// A parameter as a sum of those of the joint covariance.
+/// A parameter as a linear combination of those in the joint covariance.
 using Terms = std::vector<std::pair<ParameterId, double>>;
 
 Terms receiver_terms(const ParameterId& p, const Deployment& d) {
@@ -45,7 +45,7 @@ Terms receiver_terms(const ParameterId& p, const Deployment& d) {
   return terms;
 }
 
-/// @param speed  the offset of the joint covariance that is the deployment's
+/// @param speed  the speed offset of the joint covariance that the deployment uses
 Terms terms_of(const ParameterId& p, const Deployment& d, const ParameterId& speed) {
   switch (p.kind) {
     case ParameterKind::kBeaconDelay: return {{p, 1.0}, {parameters::site_delay(), 1.0}};
@@ -55,8 +55,7 @@ Terms terms_of(const ParameterId& p, const Deployment& d, const ParameterId& spe
   }
 }
 
-/// Of several runs with an offset each the last is the nearest to the present, and its offset the
-/// deployment's.
+/// With one offset for each run, the last one is the most recent and is used by the deployment.
 ParameterId present_speed(const JointCovariance& joint) {
   ParameterId last = parameters::speed();
   for (const ParameterId& id : joint.parameters)
@@ -64,7 +63,7 @@ ParameterId present_speed(const JointCovariance& joint) {
   return last;
 }
 
-/// Of sites so large that there is no joint covariance: each beacon's own.
+/// Covariance by beacon, for sites that are too large for a joint covariance.
 Eigen::MatrixXd separate_covariance(const KnownParameters& known, const Deployment& d) {
   Eigen::MatrixXd C = Eigen::MatrixXd::Zero(known.size(), known.size());
   for (Eigen::Index i = 0; i < known.size(); ++i) {
@@ -105,8 +104,8 @@ KnownParameters known_parameters(const Deployment& d) {
 
 namespace {
 
-/// Sigma of what a number drifts from visit to visit. Visitor: see visit_parameter; of what no deployment has
-/// (deployment_number.cc) nothing is known beforehand.
+/// Sigma of the drift of a parameter between visits. Visitor for visit_parameter; parameters that deployments
+/// do not store (deployment_number.cc) have no prior.
 struct DriftOf : HasNothing<double> {
   const Drift& drift;
   double value;

@@ -12,15 +12,16 @@
 namespace octant {
 namespace {
 
-constexpr std::size_t kBins = 40;    ///< of distance
-constexpr std::size_t kBlocks = 16;  ///< of time, with equal numbers of arrivals
-constexpr std::size_t kStarts = 8;   ///< of the final parts that are tested
+constexpr std::size_t kBins = 40;    ///< number of bins of distance
+constexpr std::size_t kBlocks = 16;  ///< number of blocks of time with equal numbers of arrivals
+constexpr std::size_t kStarts = 8;   ///< number of final parts that are tested
 constexpr std::size_t kOutOfReach = kBins;
-constexpr double kLeastShare = 0.75;      ///< of the rate of the others, in the null hypothesis
-constexpr double kLeastVariance = 0.04;   ///< of the rates of equal beacons, relative: 20 %
-constexpr double kFewestClusters = 4.0;   ///< expected of a neighbour that shows the spread of the rates
-constexpr std::size_t kFewestOthers = 3;  ///< that show it
-constexpr double kNormalMad = 1.4826;     ///< standard deviation over median absolute deviation
+constexpr double kLeastShare = 0.75;     ///< smallest rate relative to the others under the null hypothesis
+constexpr double kLeastVariance = 0.04;  ///< relative variance of the rates of equal beacons: 20 %
+constexpr double kFewestClusters =
+    4.0;  ///< expected number for a neighbour that shows the spread of the rates
+constexpr std::size_t kFewestOthers = 3;  ///< smallest number of such neighbours
+constexpr double kNormalMad = 1.4826;     ///< ratio of standard deviation to median absolute deviation
 
 using BinRates = std::array<double, kBins>;
 using BlockCounts = std::array<double, kBlocks>;
@@ -50,7 +51,7 @@ void ReceptionLog::add(double time_s, std::size_t subject, std::span<const doubl
   for (const double d : distance_m) distance_m_.push_back(static_cast<float>(d));
 }
 
-/// Rates by distance, expectations and tests of one log.
+/// Rates by distance, expectations and tests for one log.
 class ReceptionJudge {
  public:
   ReceptionJudge(const ReceptionLog& log, double cluster)
@@ -134,8 +135,9 @@ class ReceptionJudge {
     return rate;
   }
 
-  /// Rates at which a subject is expected: the lower of a bin and the next one outward that the others show,
-  /// as the limit of reach may lie between. Beyond the last of these none is expected.
+  /// Rates for the expectation of a subject: the lower one of a bin and the next bin outward that the others
+  /// determine, because the limit of reach may lie between them. Beyond the last of these bins the
+  /// expectation is zero.
   [[nodiscard]] BinRates cautious_rate(std::size_t b) const {
     const BinRates shown = rate_without(b);
     BinRates rate{};
@@ -219,10 +221,10 @@ class ReceptionJudge {
   double cluster_;
   std::size_t count_;
   std::vector<std::uint8_t> bin_;
-  std::vector<bool> is_neighbour_;  ///< received as expected
+  std::vector<bool> is_neighbour_;  ///< true if it is received as expected
   BinRates rate_{};
-  std::vector<BinRates> received_, exposed_;  ///< of each subject
-  std::vector<BlockCounts> came_, expected_;  ///< of each subject
+  std::vector<BinRates> received_, exposed_;  ///< for each subject
+  std::vector<BlockCounts> came_, expected_;  ///< for each subject
 };
 
 std::vector<Reception> ReceptionLog::judge(double cluster) const {

@@ -11,19 +11,19 @@
 namespace octant {
 namespace {
 
-/// Beyond it a filter is not linear: what it takes for information may be its own error, and the more it
-/// hears the surer it is of that.
+/// Attitude sigma above which a filter is not linear: its own error then appears as information, and further
+/// arrivals increase its false confidence.
 constexpr double kLeastKnownTurn_rad = 0.2;
 
-/// Difference of the shares of accepted arrivals that chance makes.
+/// Difference between the shares of accepted arrivals that can be due to chance.
 constexpr double kLessAccepted = 0.05;
 
-/// A filter that followed an echo contradicts the arrivals that come next; one without a beacon at fault does
+/// A filter that followed an echo disagrees with the following arrivals; one without a faulty beacon does
 /// not.
 constexpr int kAccusedInARow = 10;
 
-/// Without one of so many beacons the pose is open: in space it turns about the line through two of them.
-/// With one more a fault is seen, but not whose it is.
+/// Without one of this number of beacons the pose is undetermined: in space it can rotate about the line
+/// through the other two. With one more beacon a fault is detectable, but not identifiable.
 template <int kDof>
 constexpr std::ptrdiff_t kTooFewBeacons = kDof == 3 ? 1 : 3;
 
@@ -102,7 +102,7 @@ Rejection BeaconBankOf<kDof>::update(Filter& filter, const Trajectory& t, const 
     left_out = fits ? left_out - 1 : kGoodInARow;
     return Rejection::kBeaconFault;
   }
-  slot_of(a.beacon, filter);  // as it is before this arrival
+  slot_of(a.beacon, filter);  // state before this arrival
   for (Slot& slot : slots_)
     if (slot.beacon.valid() && slot.beacon != a.beacon) static_cast<void>(slot.filter.update(t, a));
   return filter.update(t, a);
@@ -112,9 +112,9 @@ template <int kDof>
 void BeaconBankOf<kDof>::exclude(Slot& slot, Filter& filter) {
   excluded_[slot.beacon.index()] = kGoodInARow;
   filter.copy_state(slot.filter);
-  // All others took its arrivals. They begin again where the one has the vehicle that never did, which owes
-  // something to each of their beacons: no more than they and it disagree by, and than they know themselves.
-  // Of both twice the sigma: their errors go together.
+  // All other filters used its arrivals. They restart at the state of the filter that never did, with an
+  // error that depends on each of their beacons: at most their disagreement, and at most their own
+  // uncertainty. Twice the sigma of both, because their errors are correlated.
   for (Slot& other : slots_) {
     if (!other.beacon.valid() || other.beacon == slot.beacon) continue;
     const typename Filter::Vector off = tangent_between(filter.pose(), other.filter.pose(), Filter::kMotion);
@@ -146,7 +146,8 @@ double BeaconBankOf<kDof>::protection_level_m(Filter& filter) {
         (filter.pose().translation_m - slot.filter.pose().translation_m).template head<2>().norm();
     const double sigma_m = std::sqrt(horizontal_variance(slot.filter.covariance()));
     worst_m = std::max(worst_m, off_m + kFaultySigmas * sigma_m);
-    // A filter that rejects more than the drive's has lost the place itself, and accuses no beacon.
+    // A filter that rejects more arrivals than the drive's filter is lost itself and does not accuse a
+    // beacon.
     const bool agrees = slot.filter.acceptance() > filter.acceptance() - kLessAccepted;
     slot.accused = agrees && off_m > kAtFaultSigmas * sigma_m ? slot.accused + 1 : 0;
     if (slot.accused >= kAccusedInARow && off_m > worst_sigmas * sigma_m) {
@@ -155,8 +156,8 @@ double BeaconBankOf<kDof>::protection_level_m(Filter& filter) {
     }
   }
   if (at_fault != nullptr && heard > kTooFewBeacons<kDof> + 1) exclude(*at_fault, filter);
-  // After an exclusion the level is that of what was held against it: still true of the filter that takes
-  // over, which is the one farthest off.
+  // After an exclusion the level is that of the comparison, which remains valid for the filter that takes
+  // over, the one that deviates most.
   return all_found && heard_ >= too_many_until_
              ? octant::protection_level_m(horizontal_variance(filter.covariance()), worst_m)
              : 0.0;

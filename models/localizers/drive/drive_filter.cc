@@ -19,8 +19,7 @@ constexpr int kIterations = 3;
 constexpr double kEchoSpan_s = 3e-3, kEarlyShare = 0.1;
 constexpr double kAirDrift_m2ps2_per_s = 1e-4;  ///< random walk of 0.6 m/s (a degree) in an hour
 
-/// What calibration may be off by. It widens the gate only: it does not average out, so it must not count as
-/// noise.
+/// Calibration variance. It widens the gate only: it does not average out, so it must not count as noise.
 double calibration_variance_s2(const EpochFixModel& model, BeaconId beacon, const PathOutput& path) {
   if (beacon.index() >= model.beacon_covariance.size()) return 0.0;
   Eigen::Matrix<double, 5, 1> by;
@@ -30,12 +29,12 @@ double calibration_variance_s2(const EpochFixModel& model, BeaconId beacon, cons
 
 }  // namespace
 
-/// What an arrival's prediction follows besides the pose: by few of the parameters, and by the bias of its
+/// Derivatives of an arrival's prediction besides the pose: by few of the parameters, and by the bias of its
 /// pair.
 template <int kDof>
 struct DriveFilterOf<kDof>::Considered {
   bool any = false;
-  State cross = State::Zero();  ///< P_x,theta h' of all that is considered
+  State cross = State::Zero();  ///< P_x,theta h' for all considered parameters
   double variance = 0.0;        ///< h C h'
   Eigen::Index pair = -1;
 };
@@ -131,7 +130,7 @@ void DriveFilterOf<kDof>::predict(const Pose& step, const OdometryObservation& w
       by->col(k).template head<kDof>() = F * Vector(by->col(k).template head<kDof>());
   constexpr int kPlaces = kDof == 3 ? 2 : 3;
   P.diagonal().template head<kPlaces>().array() +=
-      share * whole.distance_sigma_m * whole.distance_sigma_m;  // the same in all directions
+      share * whole.distance_sigma_m * whole.distance_sigma_m;  // equal in all directions
   P.diagonal().template tail<kDof - kPlaces>().array() +=
       share * whole.heading_sigma_rad * whole.heading_sigma_rad;
   T_map_vehicle_ = T_map_vehicle_ * step;
@@ -234,9 +233,9 @@ typename DriveFilterOf<kDof>::Considered DriveFilterOf<kDof>::consider(const Pat
   return out;
 }
 
-/// Variance by which an arrival is weighed as if errors were independent: its share of a pair's correlated
-/// error grows with the number of those before it that still remember it, and counts both ways: 1 + 2 sum
-/// rho.
+/// Variance for weighting an arrival as if errors were independent. Its share of a pair's correlated error
+/// grows with the number of earlier arrivals within the correlation time, and counts in both directions: 1 +
+/// 2 sum rho.
 template <int kDof>
 double DriveFilterOf<kDof>::weight_variance_s2(const ArrivalObservation& a) {
   if (recent_.empty()) return a.sigma_s * a.sigma_s;
@@ -290,7 +289,7 @@ double DriveFilterOf<kDof>::straight_share(double innovation, double variance) c
 template <int kDof>
 double DriveFilterOf<kDof>::single_variance_s2(const ArrivalObservation& a, double speed_mps) const {
   const double uncertainty_s = range_uncertainty_m_ * a.legs() / speed_mps;
-  // A pair's lasting bias is considered beside the noise where there is a calibration.
+  // With a calibration, the constant bias of a pair is considered in addition to the noise.
   const double pair_s = calibration_ ? model_.correlated.pair_sigma_s : 0.0;
   return a.sigma_s * a.sigma_s + uncertainty_s * uncertainty_s - pair_s * pair_s;
 }
@@ -340,8 +339,8 @@ Rejection DriveFilterOf<kDof>::update(const Trajectory& trajectory, const Arriva
   const double single2 = single_variance_s2(a, in.speed_mps), base_mps = in.speed_mps;
   double noise2 = single2, innovation = 0.0, first_innovation = 0.0, first_variance = 1.0;
 
-  // Iterated: the measurement is linearised where it puts the state; the misfit of the prior comes along in
-  // `moved`.
+  // Iterated: the measurement is linearised at the corrected state; `moved` contains the deviation from the
+  // prior.
   Pose T = T_map_vehicle_;
   double speed_offset_mps = speed_offset_mps_;
   State moved = State::Zero(), gain = State::Zero();

@@ -16,8 +16,8 @@ namespace octant {
 
 /// An unknown offset of the speed of sound, common to all arrivals of a drive.
 struct SpeedBelief {
-  double offset_mps = 0.0;      ///< from the speed that the deployment states
-  double variance_m2ps2 = 0.0;  ///< 0: the speed is known
+  double offset_mps = 0.0;      ///< difference from the speed of the deployment
+  double variance_m2ps2 = 0.0;  ///< 0: known speed
 };
 
 /// Bounded acceleration of a coasting vehicle (Singer, IEEE Trans. AES-6, 1970): after g seconds without
@@ -44,35 +44,36 @@ template <int kDof>
 class DriveFilterOf {
  public:
   using Vector = Eigen::Matrix<double, kDof, 1>;
-  using Covariance = Eigen::Matrix<double, kDof, kDof>;  ///< of the pose's tangent, as Motion has it
+  using Covariance = Eigen::Matrix<double, kDof, kDof>;  ///< covariance of the pose in the tangent of Motion
   /// States: the pose's tangent, the speed's offset [m/s], and the velocity in the vehicle's frame.
   static constexpr int kSpeed = kDof, kVelocity = kDof + 1, kStates = 2 * kDof + 1;
   using State = Eigen::Matrix<double, kStates, 1>;
   using Row = Eigen::Matrix<double, 1, kStates>;
   static constexpr Motion kMotion = kDof == 3 ? Motion::kPlanar : Motion::kSpatial;
 
-  /// @param calibration  null: what calibration may be off by widens the gate only
+  /// @param calibration  null: calibration errors only widen the gate
   DriveFilterOf(const EpochFixModel& model, double gate_sigmas, double range_uncertainty_m,
                 const CalibrationPart* calibration = nullptr);
 
-  /// @param by  how the pose follows an error of each considered parameter; null: not at all
+  /// @param by  derivatives of the pose by the considered parameters; null: zero
   void start(const Pose& T_map_vehicle, const Covariance& covariance, const NodeCalibration* by = nullptr);
-  /// Begins where another filter is, with its speed and velocity, and another covariance of the pose.
+  /// Starts at the state of another filter, with its speed and velocity, and another covariance of the pose.
   void start_as(const DriveFilterOf& other, const Covariance& covariance);
-  /// Begins with a speed that was estimated together with the pose. @param by_speed  how the pose follows it
+  /// Starts with a speed that was estimated together with the pose. @param by_speed  derivative of the pose
+  /// by the speed
   void set_speed(const SpeedBelief& speed, const Vector& by_speed = Vector::Zero());
   [[nodiscard]] SpeedBelief speed() const { return {speed_offset_mps_, P_(kSpeed, kSpeed)}; }
   /// Lets the speed of sound change as air does, a degree an hour.
   void drift_speed(double span_s);
-  /// The pose may be off by that vector as well.
+  /// Adds a further possible error of the pose to the covariance.
   void widen(const Vector& off) { P_.template topLeftCorner<kDof, kDof>() += off * off.transpose(); }
-  /// From here on odometry is missing. @param velocity, variance  in the vehicle's frame, by axis
+  /// Odometry is missing from now on. @param velocity, variance  in the vehicle's frame, for each axis
   void begin_coasting(const Vector& velocity, const Vector& variance);
-  /// Moves on by the velocity. @param since_s  how long odometry has been missing
+  /// Moves by the velocity. @param since_s  time since the last odometry
   void coast(double span_s, double since_s, const MotionLimits& limits);
-  /// Odometry is back, and measures the velocity at the end of the gap.
+  /// Odometry is available again and measures the velocity at the end of the gap.
   void end_coasting(const Vector& velocity, const Vector& variance);
-  /// Whether the sigmas of place and turn are below these.
+  /// Returns true if the sigmas of position and rotation are below these limits.
   [[nodiscard]] bool is_within(double place_m, double turn_rad) const {
     constexpr int kPlaces = kDof == 3 ? 2 : 3;
     const auto variances = P_.diagonal();
@@ -82,28 +83,28 @@ class DriveFilterOf {
   [[nodiscard]] bool is_coasting() const { return coasting_; }
   [[nodiscard]] const Vector& velocity() const { return velocity_; }
   [[nodiscard]] Covariance velocity_covariance() const { return P_.template bottomRightCorner<kDof, kDof>(); }
-  /// Share of arrivals that are echoes; 0: each arrival within the gate came straight.
+  /// Share of arrivals that are echoes; 0: every arrival within the gate is direct.
   void set_echo_share(double share) { echo_share_ = share; }
-  /// Moves on by a part of an odometry step: `step` is that part, `share` its share of the whole step's
-  /// variance.
+  /// Moves by a part of an odometry step: `step` is that part, `share` its share of the variance of the whole
+  /// step.
   void predict(const Pose& step, const OdometryObservation& whole, double share);
-  /// Corrects by an arrival at the present instant. Returns whether it was used or why not.
+  /// Corrects by an arrival at the current instant. Returns kUsed, or the reason for rejecting it.
   Rejection update(const Trajectory& trajectory, const ArrivalObservation& arrival);
 
-  /// Whether an arrival is within the gate of what is expected now; nothing changes.
+  /// Returns true if an arrival is within the gate of the prediction; the state does not change.
   [[nodiscard]] bool fits(const Trajectory& trajectory, const ArrivalObservation& arrival);
-  /// Goes on with what another filter of the same model holds.
+  /// Continues with the state of another filter of the same model.
   void copy_state(const DriveFilterOf& other);
 
   [[nodiscard]] const Pose& pose() const { return T_map_vehicle_; }
   [[nodiscard]] Covariance covariance() const { return P_.template topLeftCorner<kDof, kDof>(); }
-  /// Of the recent arrivals (exponentially forgotten over some thirty) too few could be used.
+  /// Returns true if too few of the recent arrivals (exponential window of about thirty) could be used.
   [[nodiscard]] bool is_lost() const { return acceptance_ < 0.35; }
   /// Share of the recent arrivals that could be used.
   [[nodiscard]] double acceptance() const { return acceptance_; }
   void set_range_uncertainty(double range_uncertainty_m) { range_uncertainty_m_ = range_uncertainty_m; }
 
-  /// Room for what `start` takes.
+  /// Preallocated argument for `start`.
   [[nodiscard]] NodeCalibration node_calibration_room() const;
 
  private:
@@ -112,10 +113,10 @@ class DriveFilterOf {
   [[nodiscard]] Considered consider(const PathOutput& path, const ArrivalObservation& arrival);
   [[nodiscard]] double weight_variance_s2(const ArrivalObservation& arrival);
   [[nodiscard]] double single_variance_s2(const ArrivalObservation& arrival, double speed_mps) const;
-  /// Whether an innovation is within the gate; fills what else the prediction follows.
+  /// Returns true if an innovation is within the gate, and computes its further derivatives.
   bool within_gate(const ArrivalObservation& arrival, const PathOutput& path, double single2,
                    Considered& considered, double& innovation);
-  /// Corrects the first kCount states, the ones in use. @param share  probability that it came straight
+  /// Corrects the first kCount states, the ones in use. @param share  probability of a direct arrival
   template <int kCount>
   void correct(const State& gain, const Row& H, const Considered& considered, double noise2, double share,
                const State& moved);
@@ -127,12 +128,12 @@ class DriveFilterOf {
   double gate_sigmas_, range_uncertainty_m_;
   double echo_share_ = 0.0;
   Eigen::Matrix<double, kStates, Eigen::Dynamic> cross_,
-      pair_cross_;            ///< covariance of the states with theta and with each pair's bias
-  Eigen::VectorXd by_theta_;  ///< C h_theta of an arrival
+      pair_cross_;            ///< covariance of the states with theta and with the bias of each pair
+  Eigen::VectorXd by_theta_;  ///< C h_theta for an arrival
   struct Recent {
-    double time_s = 0.0, sum = 0.0;  ///< arrivals of a pair, each forgotten by the correlation time
+    double time_s = 0.0, sum = 0.0;  ///< arrivals of a pair, weighted by the correlation time
   };
-  std::vector<Recent> recent_;  ///< of each pair; empty: errors are independent
+  std::vector<Recent> recent_;  ///< for each pair; empty: independent errors
   Pose T_map_vehicle_;
   double speed_offset_mps_ = 0.0;
   bool coasting_ = false;

@@ -39,7 +39,7 @@ void set_uncertainty(const Trajectory& t, const Segment& segment, const EpochFix
     for (const BeaconId beacon : beacons) variants.push_back(separation.without(beacon));
   }
   const std::vector<bool> determined = solve_by_windows(t, segment, model.state, variants, options.threads);
-  // Lost without one of its beacons, a drive is bounded nowhere.
+  // A drive that is lost without one of its beacons has no bound anywhere.
   const bool is_protected = variants.size() > 1 && std::ranges::find(determined, false) == determined.end();
   for (std::size_t i = 0; i < fixes.size(); ++i) {
     if (!determined.front()) fixes[i].status = FixStatus::kPoorGeometry;

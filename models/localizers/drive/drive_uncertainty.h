@@ -13,15 +13,15 @@
 namespace octant {
 
 struct DriveUncertaintyOptions {
-  bool protect = false;  ///< protection levels (chain_protection.h)
+  bool protect = false;  ///< compute protection levels (chain_protection.h)
   int threads = 1;
 };
 
-/// Sets the covariances of a smoothed drive's fixes, calibration's part included (chain_calibration.h), and
-/// protection levels where they are asked for: 0 throughout a drive that is lost without one of its beacons.
+/// Sets the covariances of a smoothed drive's fixes, including the calibration (chain_calibration.h), and
+/// protection levels on request: 0 throughout a drive that is lost without one of its beacons.
 /// @param trajectory  solved
 /// @param instants  in order of nodes
-/// @param fixes  one for each instant; of poor geometry where the observations do not determine all states
+/// @param fixes  one for each instant; poor geometry if the observations do not determine all states
 void set_uncertainty(const Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                      const CalibrationPart& calibration, const DriveUncertaintyOptions& options,
                      std::span<const DriveInstant> instants, std::span<Fix> fixes);

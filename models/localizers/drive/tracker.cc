@@ -32,10 +32,10 @@ namespace octant {
 namespace {
 
 constexpr int kSegmentOutlierRounds = 5;
-/// Steps that gain less than this share of the cost are the last: before arrivals are marked, and after.
+/// Relative decrease of the cost that ends the iteration, before and after arrivals are marked.
 constexpr double kNearlyConverged = 1e-5, kConverged = 1e-10;
 
-/// Moves a filter along an odometry step from one of its instants to another, either way.
+/// Moves a filter along an odometry step from one of its instants to another, in either direction.
 template <class Filter>
 void move_along(const OdometryObservation& step, double to, double& at, Filter& filter) {
   if (to == at) return;
@@ -45,7 +45,7 @@ void move_along(const OdometryObservation& step, double to, double& at, Filter& 
   at = to;
 }
 
-/// Forward from a node to the segment's end, or until lost; returns the node reached.
+/// Filters forward from a node to the end of the segment, or until it is lost; returns the node reached.
 template <class Filter>
 std::size_t run_forward(Trajectory& t, const Segment& segment, Filter& filter, std::size_t node) {
   std::size_t next = first_of_node(t.arrivals, node, segment.first_arrival, segment.last_arrival);
@@ -64,7 +64,7 @@ std::size_t run_forward(Trajectory& t, const Segment& segment, Filter& filter, s
   return node;
 }
 
-/// Backward from a node to the segment's first.
+/// Filters backward from a node to the beginning of the segment.
 template <class Filter>
 void run_backward(Trajectory& t, const Segment& segment, Filter& filter, std::size_t node) {
   std::size_t next = first_of_node(t.arrivals, node, segment.first_arrival, segment.last_arrival);
@@ -81,8 +81,8 @@ void run_backward(Trajectory& t, const Segment& segment, Filter& filter, std::si
   }
 }
 
-/// A stretch that the arrivals settle, the filter from there both ways; where it gets lost, the next stretch
-/// that can be settled.
+/// Places one part of the drive and filters from there in both directions; where the filter is lost, the next
+/// part is placed.
 template <int kDof>
 bool place_by_filter(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                      const TrackerOptions& options) {
@@ -105,12 +105,12 @@ bool place_by_filter(Trajectory& t, const Segment& segment, const EpochFixModel&
     from = run_forward(t, segment, filter, start.last_node - 1);
     if (from + 1 >= segment.last_node) return true;
   }
-  // Whatever could not be placed follows the odometry, so that the adjustment has all states.
+  // Nodes without a pose follow odometry, so that the adjustment has all states.
   if (placed) static_cast<void>(follow_odometry(t, segment, from, true));
   return placed;
 }
 
-/// In space, among beacons that are known roughly.
+/// Returns true for spatial drives among roughly known beacons.
 bool goes_by_pieces(const Trajectory& t, const TrackerOptions& options) {
   return t.motion == Motion::kSpatial && options.range_uncertainty_m > 0 && !t.motion_prior;
 }
@@ -124,8 +124,8 @@ bool place_segment(Trajectory& t, const Segment& segment, const EpochFixModel& m
   return place_by_filter<6>(t, segment, model, options);
 }
 
-/// Robust adjustment of a placed segment from coarse to fine, then by plain squares with the outliers left
-/// out. Arrivals are judged by their own sigmas and left with those that they are weighed by.
+/// Robust adjustment of a placed segment from coarse to fine, then with the squared loss and without
+/// outliers. Arrivals are judged by their own sigmas and keep the sigmas of their weights.
 bool smooth_segment(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                     const TrackerOptions& options) {
   reset_rejections(t, segment, model);
@@ -177,7 +177,7 @@ void unlocated(const Trajectory& t, const Segment& segment, std::vector<Fix>& fi
   });
 }
 
-/// Whether it was possible.
+/// Returns true if it was possible.
 bool track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                   const CalibrationPart& calibration, const TrackerOptions& options,
                   std::vector<Fix>& fixes) {
@@ -187,22 +187,22 @@ bool track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& mo
     instants.push_back({t.arrivals[first].node, t.arrivals[first].alpha});
   });
   const std::size_t before = fixes.size();
-  if (instants.size() > before) fixes.reserve(before + instants.size());  // a long drive has no room to spare
+  if (instants.size() > before) fixes.reserve(before + instants.size());  // saves memory on a long drive
   for_each_instant(t, segment, [&](std::size_t first, std::size_t last) {
     const ArrivalObservation& a = t.arrivals[first];
     Fix& fix = fixes.emplace_back(fix_at(t, first, last));
     fix.T_map_vehicle = pose_at(t, a.node, a.alpha);
     fix.status = FixStatus::kOk;
   });
-  // Of beacons known roughly nothing bounds a fix.
+  // Fixes among roughly known beacons have no bound.
   const bool protect = options.protect && options.range_uncertainty_m == 0.0;
   set_uncertainty(t, segment, model, calibration, {protect, options.threads}, instants,
                   std::span(fixes).subspan(before));
   return true;
 }
 
-/// Only what came before, as a robot sees it: odometry up to each instant, then its arrivals.
-/// @return false, and no fixes: in space the attitude stayed open to the end
+/// Uses past data only, as on a robot: odometry up to each instant, then its arrivals.
+/// @return false and no fixes if the attitude in space remained open until the end
 bool track_causal(const MeasurementLog& log, VehicleId vehicle, const Deployment& deployment,
                   const TrackerOptions& options, std::vector<Fix>& fixes) {
   std::vector<OdometryStep> steps;
@@ -229,7 +229,7 @@ bool track_causal(const MeasurementLog& log, VehicleId vehicle, const Deployment
   return false;
 }
 
-/// Whether odometry ties all states of a segment to their neighbours.
+/// Returns true if odometry links all states of a segment.
 bool is_chained(const Trajectory& t, const Segment& segment) {
   return !t.has_cycle_offset && segment.last_node - segment.first_node >= 2 &&
          segment.last_odometry - segment.first_odometry + 1 == segment.last_node - segment.first_node;
@@ -240,8 +240,8 @@ bool needs_tracking(const Trajectory& t, const Segment& segment) {
   return t.moving && is_chained(t, segment);
 }
 
-/// A drive in space of which the attitude stays open (a single antenna on a straight path) has a place all
-/// the same. False where that is not what it is.
+/// Positions of a spatial drive whose attitude remains open (a single antenna on a straight path). Returns
+/// false if the drive is of another kind.
 bool follow_arrivals_alone(const MeasurementLog& log, const Trajectory& t, const Deployment& deployment,
                            const SpaceTrackOptions& options, std::vector<Fix>& fixes) {
   if (t.motion != Motion::kSpatial) return false;
@@ -253,7 +253,7 @@ bool follow_arrivals_alone(const MeasurementLog& log, const Trajectory& t, const
   return true;
 }
 
-/// Each pose of a segment by what it hears alone.
+/// Fixes each pose of a segment from its own arrivals.
 void fix_each_epoch(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                     const CalibrationPart& calibration, const TrackerOptions& options,
                     std::vector<Fix>& fixes) {
@@ -275,8 +275,7 @@ bool place_drive(Trajectory& t, const EpochFixModel& model, const TrackerOptions
     if (!needs_tracking(t, segment)) continue;
     if (!place_segment(t, segment, model, options)) continue;
     const bool pieces = goes_by_pieces(t, options);
-    if (pieces)
-      reset_rejections(t, segment, model);  // solved among beacons that are off it would bend to them
+    if (pieces) reset_rejections(t, segment, model);  // the solution would follow the errors of the beacons
     any = pieces || smooth_segment(t, segment, model, options) || any;
   }
   return any;
@@ -301,7 +300,7 @@ std::vector<Fix> track(const MeasurementLog& all_rows, const Deployment& deploym
           track_causal(log, VehicleId(v), deployment, options, fixes))
         continue;
       TrackerOptions search = options;
-      // Between two stops there may be minutes: how many of them are needed is not a matter of time.
+      // Stops may be minutes apart, so the required number does not depend on time.
       if (stops)
         search.max_start_window_s =
             std::max(options.max_start_window_s,
