@@ -22,7 +22,7 @@ using Span = std::pair<double, double>;
 /// White noise shows hardly any of the many errors that are tested so clearly.
 constexpr double kBeyondChance = 6.0;
 /// Looked at of a long recording.
-constexpr std::size_t kArrivals = 20'000;
+constexpr std::size_t kArrivalsExamined = 20'000;
 /// Times of a recording at which a jump is looked for.
 constexpr Eigen::Index kJumps = 32;
 /// Measured poses, as many one after the other in each, between which a shift is looked for.
@@ -203,7 +203,7 @@ class ErrorSearch {
   std::vector<CommonError> run(const std::vector<Trajectory>& trajectories) {
     std::size_t arrivals = 0;
     for (const Trajectory& t : trajectories) arrivals += t.arrivals.size();
-    const std::size_t stride = arrivals / kArrivals + 1;
+    const std::size_t stride = arrivals / kArrivalsExamined + 1;
     parameters_.share /= static_cast<double>(stride);
     const bool are_posed =
         std::ranges::any_of(trajectories, [](const Trajectory& t) { return !t.poses.empty(); });

@@ -272,11 +272,11 @@ class StatementTest {
 
   /// In words: a contradiction where it explains most of the misfit, or is of what cannot be a little so.
   void say(const Culprit& c, StatementFindings& found) const {
-    using Kind = CommonError::Kind;
     Contradiction what = contradiction_of(*c.error, site(), whole_.runs);
     if (c.or_else) what.found += ", or else " + contradiction_of(*c.or_else, site(), whole_.runs).found;
-    const Kind kind = c.error->kind;
-    const bool is_stated = is_of_odometry(*c.error) || kind == Kind::kJump || kind == Kind::kShift;
+    const CommonError::Kind kind = c.error->kind;
+    const bool is_stated =
+        is_of_odometry(*c.error) || kind == CommonError::Kind::kJump || kind == CommonError::Kind::kShift;
     if (c.fit.cost < kLeavesLess * now_.cost || (is_stated && !c.or_else)) {
       found.contradictions.push_back(std::move(what));
     } else {
