@@ -7,7 +7,9 @@
 #include <utility>
 
 #include "calib/adjust/reject.h"
+#include "calib/solution/diagnosis_budget.h"
 #include "calib/start/refusals.h"
+#include "calib/verdict/diagnose.h"
 
 namespace octant::calib {
 namespace {
@@ -23,6 +25,7 @@ class Calibrator {
     if (!solution) return solution;
     solution->iterations = monitor_.iterations;
     solution->seconds = std::chrono::duration<double>(Clock::now() - began_).count();
+    if (solution->diagnosis.fit_s == 0.0) solution->diagnosis.fit_s = thread_time_s() - began_s_;
     return solution;
   }
 
@@ -50,7 +53,10 @@ class Calibrator {
     Solution solution;
     solution.warnings = std::move(warnings_);
     solution.contradictions = log_.problem().contradictions;
-    conclude(log_.problem(), options_, estimate_, std::move(*all), solution);
+    const Conclusion concluded = conclude(log_.problem(), options_, estimate_, std::move(*all), solution);
+    // The solution is complete. The search for what contradicts it has a time of its own.
+    solution.diagnosis.fit_s = thread_time_s() - began_s_;
+    diagnose(log_.problem(), options_, estimate_, concluded, solution);
     return solution;
   }
 
@@ -124,6 +130,7 @@ class Calibrator {
   const SolveOptions& options_;
   ProgressMonitor& monitor_;
   Clock::time_point began_ = Clock::now();
+  double began_s_ = thread_time_s();
   bool is_complete_ = false;  ///< the log that the start is from
   Estimate estimate_;
   std::vector<std::string> warnings_;
@@ -131,7 +138,7 @@ class Calibrator {
 
 }  // namespace
 
-Result<Solution> calibrate(CalibrationLog& log, const SolveOptions& options, ProgressMonitor& monitor) {
+Result<Solution> solve_log(CalibrationLog& log, const SolveOptions& options, ProgressMonitor& monitor) {
   return Calibrator(log, options, monitor).run();
 }
 

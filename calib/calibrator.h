@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "calib/calibrate.h"
 #include "calib/log/calibration_log.h"
+#include "calib/solution/solution.h"
+#include "calib/solution/solve_options.h"
 #include "calib/start/progress_monitor.h"
 
 namespace octant::calib {
@@ -13,7 +14,7 @@ namespace octant::calib {
 ///   1/2 sum over I of (r(m, x) / sigma)^2 + 1/2 |m - prior|^2
 /// over m, x, I and sigma in turn; the states are eliminated (variable projection).
 /// Errors: those of reading the log.
-[[nodiscard]] Result<Solution> calibrate(CalibrationLog& log, const SolveOptions& options,
+[[nodiscard]] Result<Solution> solve_log(CalibrationLog& log, const SolveOptions& options,
                                          ProgressMonitor& monitor);
 
 }  // namespace octant::calib

@@ -7,6 +7,7 @@
 
 #include "calib/calibrator.h"
 #include "calib/log/subsampled_log.h"
+#include "calib/readings/explain.h"
 #include "calib/solution/variances.h"
 #include "calib/statements/suspicions.h"
 
@@ -88,8 +89,9 @@ Forecast forecast(const Problem& whole, const SolveOptions& options,
 
   ProgressMonitor monitor(options);
   SubsampledLog log(f.subsampled, all, options, monitor);
-  f.solution = *calibrate(log, options, monitor);  // nothing is read that could be in error
+  f.solution = *solve_log(log, options, monitor);  // nothing is read that could be in error
   if (f.solution.status == SolveStatus::kInterrupted) return f;
+  explain(whole, f.subsampled, f.solution, options);
   const Variances variances(f.solution);
   const std::vector<bool> usable = usable_beacons(whole.site, variances);
   for (std::size_t b = 0; b < whole.site.beacons.size(); ++b)

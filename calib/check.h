@@ -40,9 +40,9 @@ struct Forecast {
 };
 
 /// Calibrates a subsampled problem (subsample.h) and judges it with the information that all arrivals would
-/// bring: each beacon's arrivals weigh by how many there are of it for each one kept. Predicts the scatter
-/// that the data's noise causes, not the effect of errors that stay. Same words, same undetermined parameters
-/// as solve(). Seconds where solve() takes minutes.
+/// bring, and says what contradicts it (readings/explain.h): each beacon's arrivals weigh by how many there
+/// are of it for each one kept. Predicts the scatter that the data's noise causes, not the effect of errors
+/// that stay. Same words, same undetermined parameters as solve(). Seconds where solve() takes minutes.
 [[nodiscard]] Forecast forecast(const Problem& whole, const SolveOptions& options = {},
                                 const SubsampleOptions& subsample_options = {});
 

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 
-#include "calib/calibrate.h"
+#include "calib/solve.h"
+
 #include "calib/calibrator.h"
 #include "calib/log/held_log.h"
 
@@ -13,7 +14,7 @@ Solution solve_held(const Problem& problem, const SolveOptions& options,
                     std::vector<Trajectory>* own_trajectories) {
   ProgressMonitor monitor(options);
   HeldLog log(problem, options, monitor, own_trajectories);
-  return *calibrate(log, options, monitor);  // there is nothing to be read that could be in error
+  return *solve_log(log, options, monitor);  // there is nothing to be read that could be in error
 }
 
 }  // namespace

@@ -201,7 +201,7 @@ Result<StreamedCalibration> solve_streamed(const Site& site, ArrivalSource& sour
                                            const SolveOptions& options, std::size_t memory_bytes) {
   ProgressMonitor monitor(options);
   StreamedLog log(site, source, options, monitor, memory_bytes);
-  auto solution = calibrate(log, options, monitor);
+  auto solution = solve_log(log, options, monitor);
   if (!solution) return fail(solution.error());
   StreamedCalibration done{std::move(log).release_problem(), std::move(*solution)};
   done.problem.trajectories.clear();

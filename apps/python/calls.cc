@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/python/calls.h"
 
+#include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <pybind11/stl.h>
@@ -14,7 +16,10 @@
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/survey_input.h"
 #include "apps/octant/text/survey_text.h"
+#include "apps/python/run.h"
 #include "io/deployment/deployment_json.h"
+#include "io/site/site_yaml.h"
+#include "io/text/atomic_file.h"
 #include "survey/map/survey.h"
 #include "survey/schedule/floor_schedule.h"
 
@@ -72,18 +77,94 @@ std::string words_of(const char* command, const std::string& first, const std::v
   return words;
 }
 
-py::object check(const std::string& site, const std::vector<std::string>& runs, bool strict, int threads) {
+/// Sites and recordings come as values or as paths of their files.
+using SiteOrPath = std::variant<Site, std::string>;
+using RunOrPath = std::variant<Run, std::string>;
+
+std::string name_of(const SiteOrPath& site) {
+  if (const auto* path = std::get_if<std::string>(&site)) return *path;
+  const std::string& path = std::get<Site>(site).path;
+  return path.empty() ? "(Site)" : path;
+}
+std::string name_of(const RunOrPath& run) {
+  if (const auto* path = std::get_if<std::string>(&run)) return *path;
+  const std::string& path = std::get<Run>(run).log.path;
+  return path.empty() ? "(Run)" : path;
+}
+
+template <class Runs>
+std::string words_of(const char* command, const SiteOrPath& site, const Runs& runs) {
+  std::vector<std::string> names;
+  for (const auto& run : runs) names.push_back(name_of(run));
+  return words_of(command, name_of(site), names);
+}
+
+Site site_of(const SiteOrPath& given, app::Session& session) {
+  const auto* path = std::get_if<std::string>(&given);
+  Site site = path != nullptr ? app::need(io::read_site(*path)) : std::get<Site>(given);
+  if (site.path.empty()) site.path = name_of(given);
+  session.warn(site.warnings);
+  return site;
+}
+
+std::vector<MeasurementLog> runs_of(const std::vector<RunOrPath>& given, const Site& site,
+                                    app::Session& session) {
+  std::vector<MeasurementLog> runs;
+  for (const RunOrPath& one : given) {
+    if (const auto* path = std::get_if<std::string>(&one)) {
+      for (MeasurementLog& run : app::read_runs({*path}, site, {}, session)) runs.push_back(std::move(run));
+      continue;
+    }
+    const Run& run = std::get<Run>(one);
+    if (!same_names(run.names, names_of(site)))
+      app::fail_with({.code = Errc::kUsage,
+                      .file = name_of(one),
+                      .found = "a run whose numbers stand for other names than the site's",
+                      .expected = "a run of this site",
+                      .advice = "read it with octant.read_run(folder, site), or make it with "
+                                "octant.make_run(site, ...)"});
+    runs.push_back(run.log);
+    runs.back().path = name_of(one);
+    session.warn(run.log.warnings);
+  }
+  return runs;
+}
+
+/// Paths, where all are given as paths: recordings that are too long for memory can be streamed then.
+std::optional<std::vector<std::string>> all_paths(const SiteOrPath& site,
+                                                  const std::vector<RunOrPath>& runs) {
+  if (!std::holds_alternative<std::string>(site)) return std::nullopt;
+  std::vector<std::string> paths;
+  for (const RunOrPath& run : runs) {
+    if (!std::holds_alternative<std::string>(run)) return std::nullopt;
+    paths.push_back(std::get<std::string>(run));
+  }
+  return paths;
+}
+
+py::object check(const SiteOrPath& site, const std::vector<RunOrPath>& runs, bool strict, int threads) {
   return Call(words_of("check", site, runs), threads).run([&](app::Session& session) {
-    return app::check_recordings({site, runs, strict}, session);
+    Site known = site_of(site, session);
+    std::vector<MeasurementLog> logs = runs_of(runs, known, session);
+    return app::check_recordings(std::move(known), std::move(logs), strict, session);
   });
 }
 
-py::tuple calibrate(const std::string& site, const std::vector<std::string>& runs, bool strict, bool accept,
+py::tuple calibrate(const SiteOrPath& site, const std::vector<RunOrPath>& runs, bool strict, bool accept,
                     int threads) {
   Call call(words_of("calibrate", site, runs), threads);
   std::optional<Deployment> deployment;
   const py::object object = call.run([&](app::Session& session) {
-    auto calibration = app::calibrate_files(site, runs, {.strict = strict, .accept = accept}, session);
+    const app::CalibrateOptions how{.strict = strict, .accept = accept};
+    const auto calibrated = [&] {
+      if (const auto paths = all_paths(site, runs))
+        return app::calibrate_files(std::get<std::string>(site), *paths, how, session);
+      Site known = site_of(site, session);
+      std::vector<MeasurementLog> logs = runs_of(runs, known, session);
+      const std::string sha256 = io::sha256_hex(io::site_to_yaml(known));
+      return app::calibrate_runs(std::move(known), std::move(logs), sha256, how, session);
+    };
+    app::Calibration calibration = calibrated();
     Json result = app::calibration_json(calibration, session);
     if (calibration.exported()) deployment = std::move(calibration.deployment);
     if (const auto failure = app::failure_of(calibration); failure && !deployment)

@@ -15,6 +15,7 @@
 #include "apps/python/arrays.h"
 #include "apps/python/calls.h"
 #include "apps/python/live.h"
+#include "apps/python/run.h"
 #include "io/deployment/deployment_json.h"
 #include "io/run/run_folder.h"
 #include "io/run/tum.h"
@@ -41,12 +42,6 @@ auto unlocked(Call&& call) {
   if (!result) raise(result.error());
   if constexpr (!std::is_void_v<typename decltype(result)::value_type>) return std::move(*result);
 }
-
-/// Options of the readers and writers of runs.
-struct Run {
-  MeasurementLog log;
-  NameTable names;
-};
 
 NameTable names_in(const py::object& of) {
   if (py::isinstance<Site>(of)) return names_of(of.cast<const Site&>());
@@ -152,15 +147,6 @@ Run make_run(const py::object& of, const Array<double>& time_s, const Array<std:
   if (odometry) run.log.odometry = steps_of(*odometry, VehicleId(vehicle));
   run.log.rows = run.log.arrivals.size();
   return run;
-}
-
-/// Returns true if an index refers to the same beacon or receiver in both tables.
-bool same_names(const NameTable& a, const NameTable& b) {
-  return a.beacons == b.beacons && a.vehicles == b.vehicles &&
-         std::equal(a.receivers.begin(), a.receivers.end(), b.receivers.begin(), b.receivers.end(),
-                    [](const NameTable::Receiver& one, const NameTable::Receiver& other) {
-                      return one.name == other.name && one.vehicle == other.vehicle;
-                    });
 }
 
 Fixes localize(const Deployment& deployment, const Run& run, const std::string& method) {
@@ -349,6 +335,14 @@ void bind_values(py::module_& m) {
 }
 
 }  // namespace
+
+bool same_names(const NameTable& a, const NameTable& b) {
+  return a.beacons == b.beacons && a.vehicles == b.vehicles &&
+         std::equal(a.receivers.begin(), a.receivers.end(), b.receivers.begin(), b.receivers.end(),
+                    [](const NameTable::Receiver& one, const NameTable::Receiver& other) {
+                      return one.name == other.name && one.vehicle == other.vehicle;
+                    });
+}
 
 PYBIND11_MODULE(_octant, m) {
   m.doc() = "Calibration and survey of time-of-flight beacon positioning; import octant instead.";

@@ -12,6 +12,7 @@
 
 #include "calib/readings/pose_readings.h"
 #include "calib/readings/readings.h"
+#include "calib/solution/diagnosis_budget.h"
 #include "calib/verdict/left_out.h"
 
 namespace octant::calib {
@@ -22,18 +23,6 @@ constexpr double kEarlyShare = 0.05, kNoiseRatio = 3.0, kDraggedSigmas = 6.0;
 /// Noise over the stated one where residuals are alike from one arrival to the next: more than bad weather.
 constexpr double kCorrelatedNoiseRatio = 1.5;
 constexpr std::size_t kEarlyAtLeast = 10;
-
-/// Arrivals of an outcome.
-struct OutcomeCounts {
-  std::size_t all = 0, out = 0, early = 0;  ///< out: those that do not fit, late or early
-  OutcomeCounts(const Problem& problem, const Solution& solution) {
-    for (const MeasurementLog& run : problem.runs) all += run.arrivals.size();
-    for (const LeftOut& l : solution.left_out) {
-      out += is_outlier(l.reason);
-      early += l.reason == Rejection::kEarly;
-    }
-  }
-};
 
 bool is_dragged(const Problem& problem, const Solution& solution) {
   const Site& site = problem.site;
@@ -110,31 +99,54 @@ std::optional<Contradiction> stops_without_place(const Solution& solution) {
 }
 
 /// Where much is left out, and not as echoes are late, something that was stated is wrong, whatever it is.
-std::optional<Contradiction> early_beyond_chance(const Problem& problem, const Solution& solution) {
+std::optional<Contradiction> many_early(const Problem& problem, const Solution& solution) {
   constexpr double kMuchLeftOut = 0.3, kMuchEarly = 0.1;
   if (solution.status != SolveStatus::kConverged) return {};
-  const OutcomeCounts n(problem, solution);
-  const auto rows = static_cast<double>(n.all);
-  if (static_cast<double>(n.out) < kMuchLeftOut * rows || static_cast<double>(n.early) < kMuchEarly * rows)
+  const RejectionCounts n = arrivals_by_outcome(problem, solution);
+  const auto rows = static_cast<double>(n.all());
+  const std::size_t early = n.of(Rejection::kEarly);
+  if (static_cast<double>(n.outliers()) < kMuchLeftOut * rows ||
+      static_cast<double>(early) < kMuchEarly * rows)
     return {};
   return Contradiction{
       ContradictionKind::kLog,
       "as a whole",
       "heard along straight paths",
-      fmt::format("{} of {} arrivals not to fit, {} of them early, as no echo can be", n.out, n.all, n.early),
+      fmt::format("{} of {} arrivals not to fit, {} of them early, as no echo can be", n.outliers(), n.all(),
+                  early),
       0.0,
       "look at the places of control points and receivers, at which is wired as which, and at labels, units "
       "and frames; then calibrate again"};
 }
 
+/// Noise many times the stated one that no hypothesis explains. People misjudge their noise by a factor of a
+/// few; a factor of ten is a misfit.
+std::optional<Contradiction> unexplained_noise(const Problem& problem, const Solution& solution) {
+  constexpr double kUnexplainedRatio = 10.0;
+  const double stated_s = problem.site.noise.tof_sigma_s;
+  if (solution.status != SolveStatus::kConverged || !(solution.tof_sigma_s > kUnexplainedRatio * stated_s) ||
+      !(stated_s > 0))
+    return {};
+  return Contradiction{
+      ContradictionKind::kLog,
+      "as a whole",
+      fmt::format("with noise of {:.3g} us", 1e6 * stated_s),
+      fmt::format("residuals of {:.3g} us, a variance factor of {:.3g} that no single cause explains",
+                  1e6 * solution.tof_sigma_s, solution.statistics.variance_factor),
+      0.0,
+      "check the positions of control points, the wiring, units, frames and clocks; if the noise is really "
+      "so large, state noise.tof_sigma_s as it is"};
+}
+
 }  // namespace
 
 bool seems_misread(const Problem& problem, const Solution& solution) {
-  const OutcomeCounts n(problem, solution);
-  if (n.all == 0 || solution.status == SolveStatus::kInterrupted) return false;
+  const RejectionCounts n = arrivals_by_outcome(problem, solution);
+  const std::size_t early = n.of(Rejection::kEarly);
+  if (n.all() == 0 || solution.status == SolveStatus::kInterrupted) return false;
   if (solution.status == SolveStatus::kNotConverged || solution.beacon_status.empty())
     return true;  // nothing came of it
-  if (n.early >= kEarlyAtLeast && static_cast<double>(n.early) > kEarlyShare * static_cast<double>(n.all))
+  if (early >= kEarlyAtLeast && static_cast<double>(early) > kEarlyShare * static_cast<double>(n.all()))
     return true;
   if (are_many_left_out(problem, solution)) return true;
   return noise_ratio(problem, solution) >
@@ -149,22 +161,24 @@ void search(const Problem& problem, const Problem& adjusted, Solution& solution,
             const SolveOptions& options) {
   const bool misread = seems_misread(adjusted, solution);
   if (!misread && solution.contradictions.empty() && !do_poses_tumble(problem.runs)) return;
-  std::vector<Contradiction> found = misread ? find_misreadings(problem, solution, options)
-                                             : find_other_culprits(problem, solution, options);
+  std::vector<Contradiction> found;
+  diagnose_within_budget(options, solution, [&](const SolveOptions& limited) {
+    found = misread ? find_misreadings(problem, solution, limited)
+                    : find_other_culprits(problem, solution, limited);
+  });
   if (!found.empty()) {
     solution.contradictions = std::move(found);
   } else if (solution.contradictions.empty()) {
-    auto whole = early_beyond_chance(adjusted, solution);
+    auto whole = many_early(adjusted, solution);
     if (!whole) whole = unexplained_misfit(adjusted, solution);
+    if (!whole) whole = unexplained_noise(adjusted, solution);
     if (!whole) whole = stops_without_place(solution);
     if (whole) solution.contradictions.push_back(std::move(*whole));
   }
 }
 
-}  // namespace
-
-void explain(const Problem& problem, const Problem& adjusted, Solution& solution,
-             const SolveOptions& options) {
+void explain_misfit(const Problem& problem, const Problem& adjusted, Solution& solution,
+                    const SolveOptions& options) {
   if (!is_explained(solution)) search(problem, adjusted, solution, options);
   if (solution.status != SolveStatus::kUndetermined) return;
   if (!solution.contradictions.empty()) {
@@ -178,6 +192,20 @@ void explain(const Problem& problem, const Problem& adjusted, Solution& solution
         ratio);
     solution.weak.clear();
   }
+}
+
+}  // namespace
+
+void explain(const Problem& problem, const Problem& adjusted, Solution& solution,
+             const SolveOptions& options) {
+  explain_misfit(problem, adjusted, solution, options);
+  if (!solution.diagnosis.is_cut_short) return;
+  solution.warnings.push_back(
+      fmt::format("The search for what contradicts the data ended after {:.1f} s of processor time, before "
+                  "all hypotheses were "
+                  "examined. The "
+                  "calibration is complete, but its cause of a misfit may be another one.",
+                  solution.diagnosis.spent_s));
 }
 
 }  // namespace octant::calib

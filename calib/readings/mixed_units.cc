@@ -23,6 +23,8 @@ constexpr double kFarBetter = 0.3;     ///< of what metres for all break
 constexpr double kIndifferentShare =
     0.05;  ///< of it: a beacon that makes no more difference may be in or out
 constexpr std::size_t kMostShares = 8;
+/// Sites of more beacons are descended from two starts only: the cost grows with the cube of the beacons.
+constexpr std::size_t kMostStarts = 40;
 
 /// What ranges from the same places say of the distance of two beacons.
 struct Bracket {
@@ -70,6 +72,9 @@ class Shares {
       if (ranges.sums.size() >= kBracketPairs && placed_[pair.first] && placed_[pair.second])
         brackets_.push_back({pair.first, pair.second, quantile(ranges.differences, 1 - kLateDifferences),
                              quantile(ranges.sums, kEarlySums)});
+    of_beacon_.resize(placed_.size());
+    for (std::size_t k = 0; k < brackets_.size(); ++k)
+      for (const std::size_t b : {brackets_[k].a, brackets_[k].b}) of_beacon_[b].push_back(k);
   }
 
   [[nodiscard]] const std::vector<bool>& placed() const { return placed_; }
@@ -77,27 +82,21 @@ class Shares {
   /// Each broken bracket counts up to one.
   [[nodiscard]] double broken(const std::vector<bool>& in_unit) const {
     double sum = 0.0;
-    for (const Bracket& k : brackets_) {
-      const auto place = [&](std::size_t b) -> Eigen::Vector3d {
-        return (in_unit[b] ? unit_.metres : 1.0) * places_[b];
-      };
-      const double d_m = (place(k.a) - place(k.b)).norm();
-      const double off_m =
-          std::max({0.0, d_m * (1 - kStatedSlack) - k.most_m, k.least_m - d_m * (1 + kStatedSlack)});
-      sum += std::min(1.0, off_m / (kWorstBreak * std::max(k.most_m, 1e-9)));
-    }
+    for (const Bracket& k : brackets_) sum += broken(k, in_unit);
     return sum;
   }
 
   /// The best from here on, one beacon at a time.
   [[nodiscard]] std::vector<bool> descended(std::vector<bool> in_unit) const {
-    for (double best = broken(in_unit);;) {
+    for (;;) {
       std::size_t flip = in_unit.size();
+      double best = 0.0;
       for (std::size_t b = 0; b < in_unit.size(); ++b) {
         if (!placed_[b]) continue;
+        const double as_is = broken_of(b, in_unit);
         in_unit[b] = !in_unit[b];
-        if (const double now = broken(in_unit); now < best - 1e-9) {
-          best = now;
+        if (const double gain = as_is - broken_of(b, in_unit); gain > best + 1e-9) {
+          best = gain;
           flip = b;
         }
         in_unit[b] = !in_unit[b];
@@ -107,11 +106,11 @@ class Shares {
     }
   }
 
-  /// From none, all, and each beacon alone in the unit or out of it.
+  /// From none, all, and at sites of few beacons each beacon alone in the unit or out of it.
   [[nodiscard]] std::vector<bool> best() const {
     const std::vector<bool> none(placed_.size(), false);
     std::vector<std::vector<bool>> starts = {none, placed_};
-    for (std::size_t b = 0; b < none.size(); ++b)
+    for (std::size_t b = 0; b < none.size() && none.size() <= kMostStarts; ++b)
       for (const std::vector<bool>& start : {none, placed_}) {
         starts.push_back(start);
         if (placed_[b]) starts.back()[b] = !starts.back()[b];
@@ -124,10 +123,27 @@ class Shares {
   }
 
  private:
+  [[nodiscard]] double broken(const Bracket& k, const std::vector<bool>& in_unit) const {
+    const auto place = [&](std::size_t b) -> Eigen::Vector3d {
+      return (in_unit[b] ? unit_.metres : 1.0) * places_[b];
+    };
+    const double d_m = (place(k.a) - place(k.b)).norm();
+    const double off_m =
+        std::max({0.0, d_m * (1 - kStatedSlack) - k.most_m, k.least_m - d_m * (1 + kStatedSlack)});
+    return std::min(1.0, off_m / (kWorstBreak * std::max(k.most_m, 1e-9)));
+  }
+  /// Brackets of one beacon.
+  [[nodiscard]] double broken_of(std::size_t beacon, const std::vector<bool>& in_unit) const {
+    double sum = 0.0;
+    for (const std::size_t k : of_beacon_[beacon]) sum += broken(brackets_[k], in_unit);
+    return sum;
+  }
+
   std::vector<Eigen::Vector3d> places_;
   std::vector<bool> placed_;
   LengthUnit unit_;
   std::vector<Bracket> brackets_;
+  std::vector<std::vector<std::size_t>> of_beacon_;  ///< numbers of the brackets of each
 };
 
 }  // namespace

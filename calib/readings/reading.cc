@@ -27,7 +27,8 @@ ReadingFamily of_other_clock(ContradictionKind kind, const std::string& subject,
   return {reading, kLeastLag_s, kMostLag_s};
 }
 
-double likeliest_size(double least, double most, const std::function<double(double)>& loss) {
+std::optional<double> likeliest_size(double least, double most, double loss_of_none,
+                                     const std::function<double(double)>& loss) {
   constexpr int kBits = 8;
   constexpr std::uintmax_t kMostSteps = 12;
   double best = least, loss_of_best = INFINITY;
@@ -39,6 +40,7 @@ double likeliest_size(double least, double most, const std::function<double(doub
         best = tried;
       }
     }
+  if (!(loss_of_best < loss_of_none)) return std::nullopt;
   std::uintmax_t steps = kMostSteps;
   const auto [log_size, refined] = boost::math::tools::brent_find_minima(
       [&](double log_of) { return loss(std::copysign(std::exp(log_of), best)); },

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "models/contradiction.h"
@@ -38,6 +39,9 @@ struct ReadingFamily {
 /// The size that explains the recordings best: steps by factors of two, the best of them refined to a part in
 /// a hundred.
 /// @param loss  of the recordings when a size is taken back; some thirty are asked for
-[[nodiscard]] double likeliest_size(double least, double most, const std::function<double(double)>& loss);
+/// @param loss_of_none  of the recordings as they are: of the steps one at least leaves a third of an error
+/// or less, so where none of them explains more there is no such error, and nothing is refined or returned
+[[nodiscard]] std::optional<double> likeliest_size(double least, double most, double loss_of_none,
+                                                   const std::function<double(double)>& loss);
 
 }  // namespace octant::calib

@@ -47,12 +47,6 @@ class Search {
       : problem_(problem), solution_(solution), options_(options), site_(problem.site) {
     for (SiteVehicle& v : site_.vehicles)
       v.array.reset();  // an array that is adjusted as a whole has one order of receivers
-    options_.ranks = nullptr;
-    const auto go_on = options.on_progress;
-    if (go_on)
-      options_.on_progress = [go_on](const Progress&) {
-        return go_on({"other readings of the site file", 0, 0.0, 0.97});
-      };
   }
 
   /// What is blamed on a control point, or on anything.
@@ -151,7 +145,7 @@ class Search {
                                [kind](const Contradiction& c) { return c.kind == kind; });
   }
 
-  [[nodiscard]] bool stopped() const { return options_.on_progress && !options_.on_progress({}); }
+  [[nodiscard]] bool stopped() const { return options_.is_stopped(); }
 
   /// Share of the arrivals that agree with what was stated, to the noise that another reading finds: with a
   /// noise many times larger everything agrees with anything.
@@ -214,10 +208,11 @@ class Search {
   void try_families(const std::vector<ReadingFamily>& families) {
     for (const ReadingFamily& family : families) {
       if (stopped()) return;
-      accept(family.reading(likeliest_size(family.least, family.most, [&](double size) {
-        const bool is_looked_at = !stopped() && (!family.may_be || family.may_be(size));
-        return is_looked_at ? score(family.reading(size), kFirstShare, false).loss : INFINITY;
-      })));
+      const auto size = likeliest_size(family.least, family.most, stated_first_.loss, [&](double tried) {
+        const bool is_examined = !stopped() && (!family.may_be || family.may_be(tried));
+        return is_examined ? score(family.reading(tried), kFirstShare, false).loss : INFINITY;
+      });
+      if (size) accept(family.reading(*size));
     }
   }
 

@@ -17,7 +17,7 @@ namespace octant::calib {
 /// clock that jumped), each adjusted to an evenly spread part of the recordings and held against the same
 /// part as stated by a robust likelihood
 /// (`sigmas`: the root of twice its logarithm). Usually one or none; several where the data cannot tell them
-/// apart. Takes some dozens of quick adjustments.
+/// apart. Takes some dozens of quick adjustments; ends early where the options' progress says so.
 [[nodiscard]] std::vector<Contradiction> find_misreadings(const Problem& problem, const Solution& solution,
                                                           const SolveOptions& options = {});
 

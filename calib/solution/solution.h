@@ -69,6 +69,13 @@ struct LeftOutPose {
   Rejection reason = Rejection::kNotNeeded;  ///< nothing was observed between it and its neighbours
 };
 
+/// The search for what contradicts the data, which begins when the solution is complete.
+struct Diagnosis {
+  double fit_s = 0.0;         ///< time of the calibration without it
+  double spent_s = 0.0;       ///< time of the search
+  bool is_cut_short = false;  ///< its time was over, or it was interrupted, before all was examined
+};
+
 /// Result of a calibration. Numerical trouble is data here, never an exception and never NaN.
 struct Solution {
   SolveStatus status = SolveStatus::kNotConverged;
@@ -98,6 +105,7 @@ struct Solution {
   std::vector<std::string> undetermined;  ///< names of parameters
   std::vector<Contradiction>
       contradictions;  ///< of what was stated and what the data say; not empty: not to be exported as it is
+  Diagnosis diagnosis;
   std::vector<std::string> warnings;
 };
 

@@ -30,6 +30,8 @@ struct SolveOptions {
   std::function<bool(const Progress&)> on_progress;
 
   [[nodiscard]] Workers workers() const { return {threads, ranks}; }
+  /// Whether the caller wants no more work.
+  [[nodiscard]] bool is_stopped() const { return on_progress && !on_progress({}); }
 };
 
 }  // namespace octant::calib

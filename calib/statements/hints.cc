@@ -95,17 +95,17 @@ std::vector<Finding> site_hints(const Site& site) {
                                    site.path, who)}};
 }
 
-std::vector<Finding> log_hints(const Site& site, const std::vector<MeasurementLog>& runs) {
+std::vector<Finding> log_hints(const Site& site, const std::vector<MeasurementLog>& runs, bool are_complete) {
   std::vector<Finding> findings = site_hints(site);
   for (Finding& f : beacons_without_measurement(site, runs)) findings.push_back(std::move(f));
   std::vector<RunHealth> health;
   bool all = true;
   for (const MeasurementLog& run : runs) {
-    const bool is_short = run.arrivals.size() <= 2 * kRows;
-    all = all && is_short;
+    const bool is_short = run.arrivals.size() <= 2 * kRows, is_whole = is_short && are_complete;
+    all = all && is_whole;
     health.push_back(log_health(site, is_short ? run : some_blocks(run)));
     for (Finding& f : health.back().findings)
-      if (is_short || !needs_all(f)) findings.push_back(std::move(f));
+      if (is_whole || !needs_all(f)) findings.push_back(std::move(f));
   }
   if (all)
     for (Finding& f : silent_links(site, health))

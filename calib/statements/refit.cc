@@ -27,6 +27,7 @@ AdjustOptions alone(const SolveOptions& options, double scale, double function_t
   adjust.max_iterations = options.max_iterations;
   adjust.workers.threads = options.threads;
   adjust.function_tolerance = function_tolerance;
+  if (options.on_progress) adjust.on_iteration = [&options](int, double) { return !options.is_stopped(); };
   return adjust;
 }
 
@@ -57,7 +58,7 @@ bool reject_and_adjust_again(const SolveOptions& options, Fit& fit) {
         reject_outliers(fit.trajectories, fit.state(), options.rejection_sigmas, options.threads);
     if (round > 0 && changed == 0) break;
     fit.last = adjust(fit.problem, fit.layout, fit.trajectories, fit.x, alone(options, 0.0, 1e-10));
-    if (!fit.x.allFinite()) return false;
+    if (fit.last.interrupted || !fit.x.allFinite()) return false;
   }
   return true;
 }
@@ -85,7 +86,7 @@ void adjust_anew(const SolveOptions& options, Fit& fit) {
   for (const double scale : {kCoarseScale, kCauchyScale}) {
     fit.last = adjust(fit.problem, fit.layout, fit.trajectories, fit.x,
                       alone(options, scale, scale > kCauchyScale ? 1e-4 : 1e-8));
-    if (!fit.x.allFinite()) return;
+    if (fit.last.interrupted || !fit.x.allFinite()) return;
   }
   if (reject_and_adjust_again(options, fit)) judge_fit(options, fit);
 }

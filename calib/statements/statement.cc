@@ -82,6 +82,8 @@ double StatedSite::wide_sigma(const Statement& s) const {
   }
 }
 
+/// Refits of up to so many parameters have dense matrices, as the tests of statements form these anyway.
+constexpr int kDenseRefit = 1000;
 /// Any; the prior is widened afterwards.
 constexpr double kReleasedSpeed_mps = 30.0;
 
@@ -104,7 +106,7 @@ ParameterLayout StatedSite::layout_without(const std::vector<Statement>& release
   for (const std::size_t d : distances)
     problem.site.distances.erase(problem.site.distances.begin() + static_cast<std::ptrdiff_t>(d));
   ParameterLayout layout = make_layout(problem, state, beacon_usable_);
-  layout.dense_limit = layout_.dense_limit;
+  layout.dense_limit = std::max(layout_.dense_limit, kDenseRefit);
   // Priors as the labels were mended.
   for (std::size_t b = 0; b < layout.beacon.size(); ++b)
     for (std::size_t i = 0; i < 3; ++i)

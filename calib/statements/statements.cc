@@ -34,6 +34,8 @@ constexpr double kMostlyLeftOut = 0.3;
 /// Half squares by which delays of the beacons' own have to explain more than the best single statement:
 /// there are more of them.
 constexpr double kPlainlyBetter = 16.0;
+/// Matrices of so many parameters are dense here: some ten of 32 MB.
+constexpr Eigen::Index kMostParameters = 2000;
 constexpr std::size_t kMostSuspects = 8, kMostCulprits = 4;
 /// An error that observations have in common is beyond chance at so many sigmas: some dozens are tested.
 constexpr double kErrorSigmas = 6.0;
@@ -236,8 +238,10 @@ class StatementTest {
 
   [[nodiscard]] std::optional<Culprit> next_culprit() const {
     std::optional<Culprit> best;
-    for (const Suspect& suspect : suspects())
+    for (const Suspect& suspect : suspects()) {
+      if (options_.is_stopped()) break;
       if (auto c = culprit(suspect.statement, best ? best->fit.cost : now_.cost)) best = std::move(c);
+    }
     // A wrong delay or speed of all bends what it can reach, and a good control point is the one to be
     // blamed.
     if (best)
@@ -373,7 +377,7 @@ class StatementTest {
 
 StatementFindings test_statements(const Problem& problem, const SolveOptions& options,
                                   const Estimate& estimate, const std::vector<Trajectory>& trajectories) {
-  if (!is_dense(estimate.layout) || estimate.x.size() == 0) return {};
+  if (estimate.x.size() == 0 || estimate.x.size() > kMostParameters) return {};
   return StatementTest(problem, options, estimate, trajectories).run();
 }
 

@@ -42,7 +42,7 @@ struct StatementFindings {
 /// of the misfit; a smaller one is a warning. Of two that are equally likely both are named.
 ///
 /// @param trajectories  solved at the estimate, outliers rejected
-/// Empty for sites of more than ParameterLayout::dense_limit parameters, which are not tested.
+/// Empty for sites of more than 2,000 parameters, which are not tested.
 [[nodiscard]] StatementFindings test_statements(const Problem& problem, const SolveOptions& options,
                                                 const Estimate& estimate,
                                                 const std::vector<Trajectory>& trajectories);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "calib/adjust/covariance.h"
 #include "calib/problem/log_totals.h"
 #include "calib/start/approach.h"
 #include "calib/verdict/left_out.h"
@@ -26,9 +27,17 @@ struct Findings {
   std::vector<Trajectory> as_complete;
 };
 
-/// The end of a calibration: covariance, verdict, reliability and what is to be said of them; fills the
-/// solution, which has warnings already.
-void conclude(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
-              Findings findings, Solution& solution);
+/// Parts of a conclusion that a diagnosis starts from.
+struct Conclusion {
+  Covariance covariance;      ///< of the parameters under white noise, internal units
+  double growth = 1.0;        ///< of sigmas by correlated errors
+  double share_of_log = 1.0;  ///< part of the log that the solution's trajectories are
+  std::string shadowed = {};  ///< warning of shadowed beacons; empty: there is none
+};
+
+/// Completes a calibration: covariance, verdict, reliability and sigmas under correlated errors; fills the
+/// solution, which has warnings already. It names no culprits (diagnose.h).
+[[nodiscard]] Conclusion conclude(const Problem& problem, const SolveOptions& options,
+                                  const Estimate& estimate, Findings findings, Solution& solution);
 
 }  // namespace octant::calib

@@ -91,11 +91,24 @@ LeftOutOfAll left_out_of(const Problem& problem, const std::vector<Trajectory>& 
   return out;
 }
 
-bool are_many_left_out(const Problem& problem, const Solution& solution) {
-  constexpr double kMany = 0.35;
+RejectionCounts arrivals_by_outcome(const Problem& problem, const Solution& solution) {
+  RejectionCounts counts;
+  if (solution.totals) {
+    for (const RejectionCounts& of_beacon : solution.totals->of_beacon) counts.add(of_beacon);
+    return counts;
+  }
   std::size_t rows = 0;
   for (const MeasurementLog& run : problem.runs) rows += run.arrivals.size();
-  return static_cast<double>(solution.left_out.size()) > kMany * static_cast<double>(rows);
+  for (const LeftOut& l : solution.left_out) counts.add(l.reason);
+  counts.add(Rejection::kUsed, rows - std::min(rows, solution.left_out.size()));
+  return counts;
+}
+
+bool are_many_left_out(const Problem& problem, const Solution& solution) {
+  constexpr double kMany = 0.35;
+  const RejectionCounts counts = arrivals_by_outcome(problem, solution);
+  return static_cast<double>(counts.all() - counts.of(Rejection::kUsed)) >
+         kMany * static_cast<double>(counts.all());
 }
 
 std::vector<std::string> bearings_in_doubt(const Problem& problem,

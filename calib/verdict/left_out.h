@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "calib/problem/log_totals.h"
 #include "calib/problem/problem.h"
 #include "calib/solution/solution.h"
 
@@ -21,6 +22,8 @@ struct LeftOutOfAll {
 [[nodiscard]] LeftOutOfAll left_out_of(const Problem& problem, const std::vector<Trajectory>& trajectories,
                                        const SharedState& state);
 
+/// All arrivals of a log by what became of them, streamed or not. @param problem  that the solution is of
+[[nodiscard]] RejectionCounts arrivals_by_outcome(const Problem& problem, const Solution& solution);
 /// More than a third of the arrivals: what was stated is misread, or the recording is not of one clock.
 [[nodiscard]] bool are_many_left_out(const Problem& problem, const Solution& solution);
 

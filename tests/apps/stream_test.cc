@@ -92,6 +92,30 @@ TEST_F(Stream, DrivesGiveTheAnswerOfTheWhole) {
   expect_the_same(10001, both);  // states, at the rows of odometry.csv
 }
 
+// What contradicts the data has the same words, wherever the arrivals are, and plan passes it on.
+TEST_F(Stream, NamesTheSameCulprits) {
+  std::string site = slurp(hall("site.yaml"));
+  const std::string stated = "position_m: [19.95, 8.15, 2.48]";  // control point B3
+  ASSERT_NE(site.find(stated), std::string::npos);
+  spit(hall("site.yaml"), site.replace(site.find(stated), stated.size(), "position_m: [19.45, 8.15, 2.48]"));
+  const Outcome whole = calibrate({"--json"}), streamed = calibrate({"--json", "--memory-mb", "1"});
+  EXPECT_EQ(whole.exit, 6) << whole.err;
+  EXPECT_EQ(streamed.exit, 6) << streamed.err;
+  EXPECT_THAT(streamed.err, HasSubstr("read in chunks"));
+  const auto expected = whole.json()["verdict"]["contradictions"],
+             found = streamed.json()["verdict"]["contradictions"];
+  ASSERT_FALSE(expected.empty());
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    for (const char* key : {"kind", "subject", "stated", "found"}) EXPECT_EQ(found[i][key], expected[i][key]);
+  const std::string culprit = expected[0]["subject"];
+  EXPECT_EQ(culprit, "B3");
+  const Outcome plan = octant(
+      {"plan", hall("site.yaml"), hall("run"), "--stations", "1", "--grid", "3", "--progress", "none"});
+  EXPECT_THAT(plan.err, HasSubstr("contradict"));
+  EXPECT_THAT(plan.err, HasSubstr(culprit));
+}
+
 TEST_F(Stream, SaysWhereARowIsWrong) {
   spit(hall("run/tof.csv"), tof() + "1e9,B99,0.01,0,r0\n");
   const Outcome whole = calibrate(), streamed = calibrate({"--memory-mb", "1"});

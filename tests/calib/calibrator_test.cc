@@ -72,7 +72,7 @@ TEST(Calibrator, AsksALogForItsStepsInTurn) {
     const calib::SolveOptions options;
     calib::ProgressMonitor monitor(options);
     WatchedLog log(problem, options, monitor);
-    const calib::Solution solution = must(calib::calibrate(log, options, monitor));
+    const calib::Solution solution = must(calib::solve_log(log, options, monitor));
     ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
     // Once before the inliers are known where it is grossly off, then as often as their squares say so.
     Asked steps = {"sample", "place"};
@@ -100,7 +100,7 @@ TEST(Calibrator, StartsFromTheWholeWhereAPartGivesNoStart) {
   const calib::SolveOptions options;
   calib::ProgressMonitor monitor(options);
   WatchedLog log(problem, options, monitor, &of_one_beacon);
-  const calib::Solution solution = must(calib::calibrate(log, options, monitor));
+  const calib::Solution solution = must(calib::solve_log(log, options, monitor));
   ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
   EXPECT_EQ(log.asked, (Asked{"sample", "sample", "place", "adjust", "findings"}));
   const calib::Solution whole = calib::solve(problem, {});
@@ -119,7 +119,7 @@ TEST(Calibrator, ErrorsOfReadingAreErrorsAndAnInterruptionIsAnOutcome) {
       WatchedLog log(problem, options, monitor);
       log.fails_at = step;
       log.code = code;
-      const auto solution = calib::calibrate(log, options, monitor);
+      const auto solution = calib::solve_log(log, options, monitor);
       EXPECT_EQ(log.asked.back(), step);
       if (code == Errc::kInterrupted) {
         ASSERT_TRUE(solution);

@@ -276,7 +276,7 @@ TEST(Forecast, OfASmallRunIsTheCalibrationItself) {
 /// Thinned or not, the verdict is calibrate's: status and undetermined parameters.
 void expect_same_refusal(const World& world, const std::string& parameter) {
   const calib::Problem problem = problem_of(world);
-  const auto whole = calib::solve(problem);
+  const calib::Solution whole = must(calib::calibrate(world.site, {world.run})).solution;
   ASSERT_EQ(whole.status, calib::SolveStatus::kUndetermined) << whole.message;
   EXPECT_THAT(whole.undetermined, ::testing::Contains(HasSubstr(parameter)));
   for (const std::size_t instants : {300U, 40U}) {

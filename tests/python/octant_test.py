@@ -97,6 +97,24 @@ def test_names_what_it_was_given(world, tmp_path):
     assert raised.value.file == str(tmp_path / "run" / "tof.csv") and str(raised.value).startswith(raised.value.file)
 
 
+def test_results_are_attributes(world, calibrated):
+    beacon = calibrated.beacons["B1"]
+    assert np.allclose(beacon.position_m, calibrated.deployment.beacon_positions_m[world.site.beacons.index("B1")])
+    assert beacon.sigma_m.shape == (3,) and (beacon.sigma_m >= 0).all()
+    assert {vehicle for vehicle, _ in calibrated.receivers} == set(world.site.vehicles)
+    assert calibrated.warnings == calibrated.result["warnings"]
+
+
+def test_objects_stay_in_memory(world, monkeypatch):
+    """Objects are calibrated and checked without a file, and texts name them as the caller does."""
+    monkeypatch.setattr(octant._tempfile, "TemporaryDirectory", lambda **_: pytest.fail("a temporary folder"))
+    result = octant.calibrate(world.site, world.run).result
+    assert "octant-" not in str(result)
+    assert octant.check(world.site, world.run)["health"]["runs"][0]["arrivals"] == result["arrivals"] + result["rejected"]
+    other = octant.make_run(octant.simulate(seed=2).truth, [0.0], [0], [0.03], receiver=[0], epoch=[0])
+    assert octant.check(world.site, [world.run, other])["health"]["runs"][1]["path"] == "(Run)"
+
+
 def test_the_same_as_the_command_line(calibrated):
     by_path, result = octant.calibrate(hall("site.yaml"), [hall("run")], threads=1)
     assert result["arrivals"] == calibrated[1]["arrivals"]

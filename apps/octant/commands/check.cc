@@ -16,7 +16,6 @@
 #include "apps/octant/progress.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/text/layout.h"
-#include "calib/readings/explain.h"
 #include "calib/statements/hints.h"
 #include "io/site/site_yaml.h"
 
@@ -270,13 +269,11 @@ std::string forecast_tables(const calib::Forecast& f, const std::string& site) {
   return text;
 }
 
-calib::Forecast forecast(const calib::Problem& problem, const CheckArgs& args, Session& session) {
+calib::Forecast forecast(const calib::Problem& problem, bool strict, Session& session) {
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
   calib::SolveOptions options = solve_options(session, reporter);
-  options.strict = args.strict;
-  calib::Forecast f = calib::forecast(problem, options);
-  calib::explain(problem, f.subsampled, f.solution, options);
-  return f;
+  options.strict = strict;
+  return calib::forecast(problem, options);
 }
 
 /// Findings of the quick adjustment: contradictions, or suspicious observations if there are none.
@@ -293,10 +290,7 @@ void warn_of(const std::vector<calib::Finding>& findings, Session& session) {
 
 }  // namespace
 
-int check_recordings(const CheckArgs& args, Session& session) {
-  Site site = need(io::read_site(args.site));
-  session.warn(site.warnings);
-  std::vector<MeasurementLog> runs = read_runs(args.runs, site, {}, session);
+int check_recordings(Site site, std::vector<MeasurementLog> runs, bool strict, Session& session) {
   Logs logs = examine(site, runs);
   warn_of(logs.findings, session);
   const std::string name = site.name;
@@ -308,7 +302,7 @@ int check_recordings(const CheckArgs& args, Session& session) {
     return session.fail(failure_of(problem.error()),
                         {{"health", health_json(logs)}, {"verdict", nullptr}, {"beacons", Json::array()}});
   }
-  const calib::Forecast f = forecast(*problem, args, session);
+  const calib::Forecast f = forecast(*problem, strict, session);
   stop_if_interrupted(f.solution.status == calib::SolveStatus::kInterrupted);
   const auto suspected = findings_of(f, logs);
   warn_of(suspected, session);
@@ -330,6 +324,13 @@ int check_recordings(const CheckArgs& args, Session& session) {
                          "are the units, the beacon ids and the approximate positions right?"},
                         object);
   return session.finish(object);
+}
+
+int check_recordings(const CheckArgs& args, Session& session) {
+  Site site = need(io::read_site(args.site));
+  session.warn(site.warnings);
+  std::vector<MeasurementLog> runs = read_runs(args.runs, site, {}, session);
+  return check_recordings(std::move(site), std::move(runs), args.strict, session);
 }
 
 void add_check(CLI::App& app, CommonOptions& common, Action& action) {

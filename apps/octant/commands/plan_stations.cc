@@ -33,12 +33,17 @@ struct KnownBefore {
 
 /// Calibrates the existing recordings, from which the prior information and the reception follow.
 KnownBefore known_from_runs(const PlanArgs& args, const Site& site, Session& session) {
-  const calib::Problem problem = need(calib::make_problem(site, read_runs(args.runs, site, {}, session)));
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
-  const calib::Solution solution = calib::solve(problem, solve_options(session, reporter, 0.5));
+  calib::CalibrationOptions options;
+  options.solve = solve_options(session, reporter, 0.5);
+  options.on_finding = [&session](const calib::Finding& f) { session.warn(f.text); };
+  const calib::Calibration calibration =
+      need(calib::calibrate(site, read_runs(args.runs, site, {}, session), options));
+  const auto& [problem, solution, findings, deployment] = calibration;
   stop_if_interrupted(solution.status == calib::SolveStatus::kInterrupted);
-  if (solution.status != calib::SolveStatus::kConverged)
-    session.warn("the recordings alone would not be exported: " + solution.message);
+  if (!deployment) session.warn("the recordings alone would not be exported: " + solution.message);
+  for (const Contradiction& c : solution.contradictions)
+    session.warn(fmt::format("The recordings contradict what was stated: {}; {}", in_words(c), c.remedy));
   KnownBefore before{
       need(calib::knowledge_of(problem, solution, session.threads())), calib::hearing_of(solution, site), {}};
   for (const MeasurementLog& run : problem.runs)

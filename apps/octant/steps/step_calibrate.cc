@@ -13,8 +13,6 @@
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/stream_source.h"
 #include "apps/octant/text/layout.h"
-#include "calib/readings/explain.h"
-#include "calib/statements/hints.h"
 #include "calib/streamed.h"
 #include "io/site/site_yaml.h"
 #include "io/text/atomic_file.h"
@@ -63,14 +61,23 @@ calib::Provenance provenance(const std::string& site_path, const std::string& si
   return from;
 }
 
-/// Calls solve(options) and shows progress.
-template <class Solve>
-auto with_progress(bool strict, Session& session, Solve&& solve) {
+/// Calibrates by `calibrate(options)` with progress and findings shown, and says what came of it.
+template <class Calibrate>
+Calibration calibrated(calib::Provenance from, const CalibrateOptions& how, Session& session,
+                       Calibrate&& calibrate) {
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
-  calib::SolveOptions options = solve_options(session, reporter);
-  options.ranks = session.job != nullptr ? session.job->ranks() : nullptr;
-  options.strict = strict;
-  return solve(options);
+  calib::CalibrationOptions options{
+      .solve = solve_options(session, reporter),
+      .provenance = from,
+      .memory_bytes = how.memory_mb << 20U,
+      .on_finding = [&session](const calib::Finding& f) { session.warn(f.text); }};
+  options.solve.ranks = session.job != nullptr ? session.job->ranks() : nullptr;
+  options.solve.strict = how.strict;
+  Calibration result{need(calibrate(options)), std::move(from), how.accept};
+  session.warn(result.problem.warnings);
+  session.warn(result.solution.warnings);
+  stop_if_interrupted(result.solution.status == calib::SolveStatus::kInterrupted);
+  return result;
 }
 
 /// Source of recordings that have to be streamed; null if they fit into memory.
@@ -94,20 +101,11 @@ std::unique_ptr<StreamSource> too_long(const Site& site, const std::vector<std::
   return source;
 }
 
-void warn_of_hints(const std::vector<calib::Finding>& findings, Session& session) {
-  for (const auto& f : findings) session.warn(f.text);
-}
-
-/// Reads all recordings into memory.
-void read_problem(Site site, const std::vector<std::string>& run_paths, const std::string& site_sha256,
-                  Session& session, Calibration& result) {
+/// All of the recordings.
+std::vector<MeasurementLog> read_runs_at_once(const std::vector<std::string>& paths, const Site& site,
+                                              Session& session) {
   const ExitAtOnce nothing_written_yet;
-  std::vector<MeasurementLog> runs = read_runs(run_paths, site, {}, session);
-  std::vector<const MeasurementLog*> logs;
-  for (const MeasurementLog& run : runs) logs.push_back(&run);
-  result.provenance = provenance(site.path, site_sha256, logs, session);
-  warn_of_hints(calib::log_hints(site, runs), session);
-  result.problem = need(calib::make_problem(std::move(site), std::move(runs), session.threads()));
+  return read_runs(paths, site, {}, session);
 }
 
 std::string beacon_table(const Deployment& deployment) {
@@ -169,36 +167,27 @@ Json weak_json(const std::vector<calib::WeakDirection>& weak) {
   return list;
 }
 
+Calibration calibrate_runs(Site site, std::vector<MeasurementLog> runs, const std::string& site_sha256,
+                           const CalibrateOptions& how, Session& session) {
+  std::vector<const MeasurementLog*> logs;
+  for (const MeasurementLog& run : runs) logs.push_back(&run);
+  return calibrated(provenance(site.path, site_sha256, logs, session), how, session,
+                    [&](const calib::CalibrationOptions& options) {
+                      return calib::calibrate(std::move(site), std::move(runs), options);
+                    });
+}
+
 Calibration calibrate_files(const std::string& site_path, const std::vector<std::string>& run_paths,
                             const CalibrateOptions& how, Session& session) {
-  Calibration result;
-  result.accepted = how.accept;
   Site site = need(io::read_site(site_path));
   const std::string sha256 = io::sha256_hex(need(io::read_document(site_path)));
   session.warn(site.warnings);
-  if (const auto source = too_long(site, run_paths, how.memory_mb, session)) {
-    auto streamed = need(with_progress(how.strict, session, [&](const calib::SolveOptions& options) {
-      return calib::solve_streamed(site, *source, options, how.memory_mb << 20U);
-    }));
-    result.provenance = provenance(site_path, sha256, source->logs(), session);
-    result.problem = std::move(streamed.problem);
-    result.solution = std::move(streamed.solution);
-  } else {
-    read_problem(std::move(site), run_paths, sha256, session, result);
-    session.warn(result.problem.warnings);
-    result.solution = with_progress(how.strict, session, [&](const calib::SolveOptions& options) {
-      calib::Solution solution = calib::solve_in_place(result.problem, options);
-      calib::explain(result.problem, result.problem, solution, options);
-      return solution;
-    });
-    if (result.solution.contradictions.empty())
-      warn_of_hints(calib::outcome_hints(result.problem, result.solution), session);
-  }
-  session.warn(result.solution.warnings);
-  stop_if_interrupted(result.solution.status == calib::SolveStatus::kInterrupted);
-  if (result.solution.status == calib::SolveStatus::kConverged)
-    result.deployment = calib::make_deployment(result.problem, result.solution, result.provenance);
-  return result;
+  if (const auto source = too_long(site, run_paths, how.memory_mb, session))
+    return calibrated(
+        provenance(site_path, sha256, source->logs(), session), how, session,
+        [&](const calib::CalibrationOptions& options) { return calib::calibrate(site, *source, options); });
+  std::vector<MeasurementLog> runs = read_runs_at_once(run_paths, site, session);
+  return calibrate_runs(std::move(site), std::move(runs), sha256, how, session);
 }
 
 std::vector<survey::LeftOutNote> left_out_by_reason(const Calibration& calibration) {

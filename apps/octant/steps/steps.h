@@ -61,11 +61,8 @@ template <class SiteOrDeployment>
 void write_world(const std::string& folder, const World& world, std::string_view scenario_text,
                  const std::vector<std::string>& may_replace = {});
 
-/// A calibration with its results.
-struct Calibration {
-  calib::Problem problem;
-  calib::Solution solution;
-  std::optional<Deployment> deployment;  ///< set if the solver converged
+/// A calibration with all that is said of it.
+struct Calibration : calib::Calibration {
   calib::Provenance provenance;
   bool accepted = false;  ///< exported with a mark in spite of contradictions
   /// Returns true if the deployment is to be written.
@@ -79,6 +76,11 @@ struct CalibrateOptions {
 /// Fails on read errors and interruption; numerical failures are part of the solution.
 [[nodiscard]] Calibration calibrate_files(const std::string& site, const std::vector<std::string>& runs,
                                           const CalibrateOptions& options, Session& session);
+/// Calibrates recordings in memory; otherwise as calibrate_files().
+/// @param site_sha256  of the site's text
+[[nodiscard]] Calibration calibrate_runs(Site site, std::vector<MeasurementLog> runs,
+                                         const std::string& site_sha256, const CalibrateOptions& how,
+                                         Session& session);
 /// Solver options with the session's threads, progress output and interruption.
 /// @param reporter  must outlive the options  @param share  share of the whole progress that the adjustment
 /// represents
@@ -177,6 +179,8 @@ struct CheckArgs {
 };
 /// Implements `octant check`.
 int check_recordings(const CheckArgs& args, Session& session);
+/// Checks recordings in memory.
+int check_recordings(Site site, std::vector<MeasurementLog> runs, bool strict, Session& session);
 
 /// Possible reasons for a lack of fixes, one sentence each: tof_s in a unit other than seconds (judged as in
 /// calibrate and monitor), rows without epochs in which no two beacons occur together, or the same epoch in

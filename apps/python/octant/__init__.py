@@ -3,7 +3,9 @@
 """Octant calibrates time-of-flight beacon positioning and tells a vehicle where it is.
 
     import octant
-    deployment, result = octant.calibrate("site.yaml", "run")
+    calibration = octant.calibrate("site.yaml", "run")
+    print(calibration.beacons["B1"].sigma_m)
+    deployment = calibration.deployment
     run = octant.read_run("heldout", deployment)
     fixes = octant.localize(deployment, run).table
     print(fixes["x_m"], fixes["y_m"])
@@ -16,6 +18,10 @@ import contextlib as _contextlib
 import os as _os
 import tempfile as _tempfile
 import weakref as _weakref
+from types import SimpleNamespace as _SimpleNamespace
+from typing import NamedTuple as _NamedTuple
+
+from numpy import array as _array
 
 from . import _octant
 from ._octant import (Deployment, Fixes, Follower, Run, Site, World, __version__, localize, make_run, read_site,
@@ -24,7 +30,7 @@ from .errors import (Contradicted, Error, InputError, Interrupted, NotConverged,
 from .errors import raise_failure as _raise_failure
 
 __all__ = [
-    "Contradicted", "Deployment", "Error", "Fixes", "Follower", "InputError", "Interrupted", "NotConverged", "Run",
+    "Calibration", "Contradicted", "Deployment", "Error", "Fixes", "Follower", "InputError", "Interrupted", "NotConverged", "Run",
     "Site", "Undetermined", "UsageError", "World", "calibrate", "check", "localize", "make_run", "monitor",
     "read_deployment", "read_run", "read_site", "simulate", "survey", "verify"
 ]
@@ -99,20 +105,57 @@ def read_run(folder, names, truth=False):
     return _octant.read_run(_os.fspath(folder), names, truth)
 
 
+def _given(thing, kind):
+    """A path as text, or the object itself."""
+    return thing if isinstance(thing, kind) else _os.fspath(thing)
+
+
+def _given_runs(runs):
+    return [_given(run, Run) for run in _listed(runs)]
+
+
 def check(site, runs, strict=False, threads=0):
-    """What recordings are worth: their health, and what they can and cannot determine. A dict as of `octant check --json`."""
-    with _paths(site, _listed(runs)) as (path, folders, rename):
-        return rename(_octant.check(path, folders, strict, threads))
+    """Check recordings: data quality, and which parameters they can determine. A dict as of `octant check --json`."""
+    return _octant.check(_given(site, Site), _given_runs(runs), strict, threads)
+
+
+class Calibration(_NamedTuple):
+    """Result of calibrate(): `deployment, result = calibration`, or by attributes.
+
+    result: a dict as of `octant calibrate --json`.
+    """
+
+    deployment: Deployment
+    result: dict
+
+    @property
+    def beacons(self):
+        """Beacons by name, with position_m, sigma_m, white_sigma_m (arrays), delay_s, delay_sigma_s and status."""
+        return {beacon["id"]: _value(beacon) for beacon in self.result["beacons"]}
+
+    @property
+    def receivers(self):
+        """Receivers by (vehicle, name), with position_m."""
+        return {(receiver["vehicle"], receiver["id"]): _value(receiver) for receiver in self.result["receivers"]}
+
+    @property
+    def warnings(self):
+        """Warnings, one sentence or more each."""
+        return self.result["warnings"]
+
+
+def _value(entry):
+    """Attributes for the keys of an entry; lists of numbers are arrays."""
+    return _SimpleNamespace(**{key: _array(value) if isinstance(value, list) else value for key, value in entry.items()})
 
 
 def calibrate(site, runs, strict=False, accept=False, threads=0):
-    """(Deployment, dict as of `octant calibrate --json`) of a site and its recordings, given as paths or objects.
+    """The Calibration of a site by its recordings, given as paths or objects.
 
-    Raises Undetermined where the data cannot tell, Contradicted where they contradict the site (unless `accept`).
+    Raises Undetermined if the data cannot determine what is asked for, and Contradicted if they contradict the site
+    (unless `accept`).
     """
-    with _paths(site, _listed(runs)) as (path, folders, rename):
-        deployment, result = _octant.calibrate(path, folders, strict, accept, threads)
-        return deployment, rename(result)
+    return Calibration(*_octant.calibrate(_given(site, Site), _given_runs(runs), strict, accept, threads))
 
 
 def verify(deployment, runs, method="auto", threads=0):

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Octant developers
 # SPDX-License-Identifier: Apache-2.0
 from os import PathLike
-from typing import Any, Optional, Sequence, Union
+from types import SimpleNamespace
+from typing import Any, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -105,6 +106,16 @@ class World:
     @property
     def heldout(self) -> Run: ...
 
+class Calibration(NamedTuple):
+    deployment: Deployment
+    result: dict[str, Any]
+    @property
+    def beacons(self) -> dict[str, SimpleNamespace]: ...
+    @property
+    def receivers(self) -> dict[tuple[str, str], SimpleNamespace]: ...
+    @property
+    def warnings(self) -> list[str]: ...
+
 class Follower:
     def __init__(self, deployment: Deployment, method: str = ..., watch: bool = ...,
                  odometry_noise: Optional[dict[str, float]] = ..., lateness: float = ...) -> None: ...
@@ -126,7 +137,7 @@ def localize(deployment: Deployment, run: Run, method: str = ...) -> Fixes: ...
 def check(site: Union[Path, Site], runs: Union[Path, Run, Sequence[Union[Path, Run]]], strict: bool = ...,
           threads: int = ...) -> dict[str, Any]: ...
 def calibrate(site: Union[Path, Site], runs: Union[Path, Run, Sequence[Union[Path, Run]]], strict: bool = ...,
-              accept: bool = ..., threads: int = ...) -> tuple[Deployment, dict[str, Any]]: ...
+              accept: bool = ..., threads: int = ...) -> Calibration: ...
 def verify(deployment: Union[Path, Deployment], runs: Union[Path, Run, Sequence[Union[Path, Run]]], method: str = ...,
            threads: int = ...) -> dict[str, Any]: ...
 def survey(site_or_deployment: Union[Path, Site, Deployment], scene: Path = ..., bins: int = ..., failures: int = ...,

@@ -38,7 +38,7 @@ TEST(SubsampledLog, HasTheVerdictOfTheWhole) {
   calib::ProgressMonitor monitor(options);
   const calib::LogCounts all(whole);
   calib::SubsampledLog log(few, all, options, monitor);
-  const calib::Solution foretold = must(calib::calibrate(log, options, monitor)), part = calib::solve(few),
+  const calib::Solution foretold = must(calib::solve_log(log, options, monitor)), part = calib::solve(few),
                         of_all = calib::solve(whole);
   ASSERT_EQ(foretold.status, calib::SolveStatus::kConverged) << foretold.message;
   EXPECT_EQ(foretold.statistics.arrivals, part.statistics.arrivals);
@@ -68,7 +68,7 @@ TEST(SubsampledLog, OfAllIsTheLog) {
   calib::ProgressMonitor monitor(options);
   const calib::LogCounts all(problem);
   calib::SubsampledLog log(problem, all, options, monitor);
-  const calib::Solution a = must(calib::calibrate(log, options, monitor)), b = calib::solve(problem);
+  const calib::Solution a = must(calib::solve_log(log, options, monitor)), b = calib::solve(problem);
   EXPECT_EQ(a.covariance.matrix, b.covariance.matrix);
 }
 

@@ -13,13 +13,24 @@ TEST(LikeliestSize, IsFoundToAPartInAHundred) {
   for (const double size : {0.013, -0.031, 0.2, -0.7, 1.9}) {
     int asked = 0;
     // Ranges off by a speed times what is left of a lag, among noise: the logarithm of their spread.
-    const double found = calib::likeliest_size(0.02, 2.0, [&](double tried) {
+    const auto loss = [size](double tried) { return std::log(std::hypot(0.004, 0.5 * (tried - size))); };
+    const auto found = calib::likeliest_size(0.02, 2.0, loss(0.0), [&](double tried) {
       ++asked;
-      return std::log(std::hypot(0.004, 0.5 * (tried - size)));
+      return loss(tried);
     });
-    EXPECT_NEAR(found, size, 0.01 * std::abs(size));
+    ASSERT_TRUE(found.has_value());
+    EXPECT_NEAR(*found, size, 0.01 * std::abs(size));
     EXPECT_LE(asked, 30);
   }
+}
+
+TEST(LikeliestSize, IsNotRefinedWhereNoSizeExplainsMore) {
+  int asked = 0;
+  EXPECT_FALSE(calib::likeliest_size(0.02, 2.0, 0.0, [&](double tried) {
+                 ++asked;
+                 return tried * tried;
+               }).has_value());
+  EXPECT_LE(asked, 14);
 }
 
 }  // namespace

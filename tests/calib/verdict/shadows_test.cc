@@ -128,7 +128,7 @@ TEST(Shadows, AreNotToldOfASubsampledLog) {
     calib::ProgressMonitor monitor(options);
     const calib::LogCounts counts(problem_of(world));
     calib::SubsampledLog log(few, counts, options, monitor);
-    EXPECT_FALSE(is_told(must(calib::calibrate(log, options, monitor)))) << seed;
+    EXPECT_FALSE(is_told(must(calib::solve_log(log, options, monitor)))) << seed;
     of_the_part += is_told(calib::solve(few));
   }
   EXPECT_GE(of_the_part, 2) << "there is nothing to be told";

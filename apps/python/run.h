@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "models/run.h"
+#include "models/site.h"
+
+namespace octant::python {
+
+/// A recording with the names that its numbers stand for.
+struct Run {
+  MeasurementLog log;
+  NameTable names;
+};
+
+/// Whether numbers of beacons, vehicles and receivers stand for the same names in both.
+[[nodiscard]] bool same_names(const NameTable& a, const NameTable& b);
+
+}  // namespace octant::python

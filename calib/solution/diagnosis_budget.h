@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <ctime>
+#include <exception>
+#include <string>
+
+#include "calib/solution/solution.h"
+#include "calib/solution/solve_options.h"
+
+namespace octant::calib {
+
+/// Processor time of the calling thread [s]: on a loaded machine a budget allows for the same work.
+[[nodiscard]] inline double thread_time_s() {
+  std::timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+/// Bounds one step of a diagnosis by the time that is left of three times the time of the fit and 5 s. The
+/// step's time counts when the object goes out of scope.
+class DiagnosisBudget {
+ public:
+  /// Both outlive it.
+  DiagnosisBudget(const SolveOptions& options, Diagnosis& diagnosis)
+      : diagnosis_(diagnosis), options_(options) {
+    options_.ranks = nullptr;  // every rank diagnoses on its own
+    options_.on_progress = [this, &options](const Progress&) {
+      const bool goes_on =
+          left_s() > 0 && (!options.on_progress ||
+                           options.on_progress({"search for what contradicts the data", 0, 0.0, 0.97}));
+      diagnosis_.is_cut_short = diagnosis_.is_cut_short || !goes_on;
+      return goes_on;
+    };
+  }
+  ~DiagnosisBudget() { diagnosis_.spent_s += passed_s(); }
+  DiagnosisBudget(const DiagnosisBudget&) = delete;
+  DiagnosisBudget& operator=(const DiagnosisBudget&) = delete;
+
+  /// Options whose progress ends adjustments when the time is spent.
+  [[nodiscard]] const SolveOptions& options() const { return options_; }
+
+ private:
+  static constexpr double kTimesOfFit = 3.0, kAlways_s = 5.0;
+
+  [[nodiscard]] double passed_s() const { return thread_time_s() - began_s_; }
+  [[nodiscard]] double left_s() const {
+    return kTimesOfFit * diagnosis_.fit_s + kAlways_s - diagnosis_.spent_s - passed_s();
+  }
+
+  Diagnosis& diagnosis_;
+  SolveOptions options_;
+  double began_s_ = thread_time_s();
+};
+
+/// Runs one step of the diagnosis of a complete solution: work(options). A fault of the diagnosis leaves the
+/// solution as it is.
+template <class Work>
+void diagnose_within_budget(const SolveOptions& options, Solution& solution, Work&& work) {
+  const DiagnosisBudget budget(options, solution.diagnosis);
+  try {
+    work(budget.options());
+  } catch (const std::exception& fault) {
+    solution.diagnosis.is_cut_short = true;
+    solution.warnings.push_back(std::string("The search for what contradicts the data failed (") +
+                                fault.what() + "). The calibration itself is complete. Please report this.");
+  }
+}
+
+}  // namespace octant::calib

@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/verdict/diagnose.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "calib/errors/whiteness.h"
+#include "calib/problem/clock_check.h"
+#include "calib/solution/diagnosis_budget.h"
+#include "calib/start/label_check.h"
+#include "calib/statements/agreement.h"
+#include "calib/statements/statements.h"
+
+namespace octant::calib {
+namespace {
+
+/// Fewer degrees of freedom behind the variances than this are said.
+constexpr double kFewFreedoms = 12.0;
+
+/// Amplitudes that are taken to be alike all round receivers that have axes.
+bool may_be_directional(const Problem& problem, const std::vector<Trajectory>& trajectories) {
+  const Site& site = problem.site;
+  if (!site.attenuation || site.attenuation->half_power_angle_rad.value > 0) return false;
+  const auto measured = [](const Trajectory& t) {
+    return std::ranges::any_of(t.arrivals,
+                               [](const ArrivalObservation& a) { return a.log_amplitude_sigma > 0; });
+  };
+  return std::ranges::any_of(site.receivers, [](const SiteReceiver& r) { return r.axis.has_value(); }) &&
+         std::ranges::any_of(trajectories, measured);
+}
+
+void warn_of_correlation(const Estimate& estimate, double growth, int threads, Solution& solution) {
+  const ErrorModel& errors = solution.errors;
+  if (errors.correlated) {
+    constexpr double kAsGood = 1.05;  // what two digits write as 1
+    std::string warning = fmt::format(
+        "errors are correlated: residuals of a beacon-receiver pair keep a common part, as reflections, "
+        "antennas and bodies cause, "
+        "which does not average out as white noise does; stated sigmas allow for it and are {} those of "
+        "white noise",
+        growth < kAsGood ? "as good as" : fmt::format("{:.2g} times", growth));
+    if (errors.freedoms < kFewFreedoms)
+      warning += fmt::format(
+          "; the log is too short to estimate them well (some {:.0f} independent stretches): record longer, "
+          "over "
+          "other ground, and sigmas will shrink",
+          errors.freedoms);
+    solution.warnings.push_back(std::move(warning));
+  } else if (!is_dense(estimate.layout)) {
+    const Whiteness w = whiteness_of(solution.trajectories, solution.state, threads);
+    if (w.white) return;
+    solution.warnings.push_back(fmt::format(
+        "residuals are no white noise (correlation between neighbours of a pair {:.2f}), and a site of so "
+        "many unknowns has no model "
+        "of that: such errors do not average out, so expect beacons off by several times their stated sigmas",
+        w.autocorrelation));
+  }
+}
+
+/// Poses that are far better than stated say little of the arrivals' noise while they are taken for so bad.
+constexpr double kFarBetterPoses = 0.5;
+
+void warn_of_noise(const Problem& problem, const Estimate& estimate, double growth, int threads,
+                   Solution& solution) {
+  const CalibrationStatistics& s = solution.statistics;
+  const double noise_factor = estimate.noise_factor;
+  if (estimate.pose_factor < kFarBetterPoses)
+    solution.warnings.push_back(
+        fmt::format("measured poses fit {:.1f} times better than stated and are weighted so; state poses: "
+                    "position_sigma_m and heading_sigma_rad in run.yaml as they are",
+                    1.0 / estimate.pose_factor));
+  if (s.redundancy >= 30 && noise_factor > 1.2)
+    solution.warnings.push_back(
+        fmt::format("residuals are {:.2f} times the stated noise (variance factor {:.3g}); sigmas are scaled "
+                    "to the residuals, "
+                    "state noise.tof_sigma_s as it is",
+                    noise_factor, s.variance_factor));
+  if (s.redundancy >= 30 && noise_factor > 1.2 && may_be_directional(problem, solution.trajectories))
+    solution.warnings.push_back(
+        "amplitudes are assumed to be alike all round each receiver: where these hear less off their axes, "
+        "state "
+        "attenuation.half_power_angle_rad (half of the beam width at -3 dB, with a sigma)");
+  warn_of_correlation(estimate, growth, threads, solution);
+}
+
+/// Whether the ranges alone show that a clock jumped, and the adjustment is bent by it. No statement is to
+/// blame for that, whatever its release would explain; what is, other readings (readings/) tell.
+bool is_bent_by_a_clock(const Problem& problem, const Solution& solution) {
+  return are_many_left_out(problem, solution) && ranges_show_a_jump(problem.site, problem.runs);
+}
+
+bool are_few_left_out(const std::vector<Trajectory>& trajectories) {
+  constexpr double kFew = 0.15;
+  std::size_t all = 0, out = 0;
+  for (const Trajectory& t : trajectories)
+    for (const ArrivalObservation& a : t.arrivals) ++all, out += is_outlier(a.rejection);
+  return static_cast<double>(out) <= kFew * static_cast<double>(all);
+}
+
+/// What was stated, and the recording with itself, against what the data say.
+void contradict(const Problem& problem, const SolveOptions& options, const Estimate& estimate, double growth,
+                Solution& solution) {
+  StatementFindings stated = test_statements(problem, options, estimate, solution.trajectories);
+  solution.common_errors = std::move(stated.errors);
+  for (Contradiction& c : stated.contradictions) solution.contradictions.push_back(std::move(c));
+  if (!stated.fit) return;
+  if (are_few_left_out(stated.fit->trajectories))
+    for (CommonError& e : solution.common_errors)
+      e.noise_left = stated.fit->noise_factor * estimate.noise_factor;
+  Agreement agreement = agreement_of(problem, options, *stated.fit, solution.contradictions, growth);
+  for (Contradiction& c : agreement.contradictions) solution.contradictions.push_back(std::move(c));
+  for (std::string& warning : agreement.warnings) solution.warnings.push_back(std::move(warning));
+  if (solution.contradictions.empty())
+    for (std::string& warning : stated.warnings) solution.warnings.push_back(std::move(warning));
+}
+
+/// A refusal by sigmas that the misfit made so large: what causes the misfit comes first.
+bool is_refused_for_misfit(const Solution& solution, const Estimate& estimate) {
+  constexpr double kMisfit = 2.0;  // times the stated noise
+  return solution.status == SolveStatus::kUndetermined && estimate.noise_factor > kMisfit;
+}
+
+}  // namespace
+
+void diagnose(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
+              const Conclusion& concluded, Solution& solution) {
+  const bool is_tested =
+      solution.status == SolveStatus::kConverged || is_refused_for_misfit(solution, estimate);
+  diagnose_within_budget(options, solution, [&](const SolveOptions& limited) {
+    if (is_tested && !is_bent_by_a_clock(problem, solution))
+      contradict(problem, limited, estimate, concluded.growth, solution);
+  });
+  if (!solution.contradictions.empty())
+    return;  // which name the culprit; what follows would name the innocent
+  warn_of_noise(problem, estimate, concluded.growth, options.threads, solution);
+  if (!concluded.shadowed.empty()) solution.warnings.push_back(concluded.shadowed);
+  for (std::string& warning : suspect_control_points(problem, solution.state, solution.trajectories))
+    solution.warnings.push_back(std::move(warning));
+}
+
+}  // namespace octant::calib
