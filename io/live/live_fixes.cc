@@ -54,13 +54,16 @@ const char* kind_name(WatchKind kind) {
   switch (kind) {
     case WatchKind::kBeaconLate: return "beacon_late";
     case WatchKind::kBeaconMoved: return "beacon_moved";
+    case WatchKind::kBeaconSilent: return "beacon_silent";
     case WatchKind::kReceiverLate: return "receiver_late";
     case WatchKind::kReceiverMoved: return "receiver_moved";
   }
   return "beacon_late";
 }
 
-bool of_beacon(WatchKind kind) { return kind == WatchKind::kBeaconLate || kind == WatchKind::kBeaconMoved; }
+bool of_beacon(WatchKind kind) {
+  return kind != WatchKind::kReceiverLate && kind != WatchKind::kReceiverMoved;
+}
 
 std::string subject_of(const WatchAlarm& alarm, const NameTable& names) {
   if (of_beacon(alarm.kind))
@@ -153,7 +156,9 @@ std::string alarm_as_json(const WatchAlarm& alarm, const NameTable& names) {
       "{{\"type\":\"alarm\",\"time_s\":{:.6f},\"kind\":\"{}\",\"{}\":{}", alarm.time_s, kind_name(alarm.kind),
       of_beacon(alarm.kind) ? "beacon" : "receiver", quoted(subject_of(alarm, names)));
   if (alarm.kind == WatchKind::kBeaconMoved || alarm.kind == WatchKind::kReceiverMoved)
-    line += fmt::format(",\"axis\":\"{}\"", "xyz"[std::clamp(alarm.axis, 0, 2)]);
+    line += fmt::format(",\"axis\":\"{}\",\"shift_m\":[{:.4g},{:.4g},{:.4g}]",
+                        "xyz"[std::clamp(alarm.axis, 0, 2)], alarm.shift_m.x(), alarm.shift_m.y(),
+                        alarm.shift_m.z());
   return line + fmt::format(",\"size_m\":{:.4g},\"sigma_m\":{:.3g},\"since_s\":{:.6f}}}\n", alarm.size_m,
                             alarm.sigma_m, alarm.since_s);
 }

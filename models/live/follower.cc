@@ -62,6 +62,13 @@ bool give(DriveTracker& tracker, const OdometryPose& pose) {
 
 bool can_be_tracked(const Deployment& d) { return d.timing.clock == Clock::kSynchronised; }
 
+bool has_same_members(const Deployment& a, const Deployment& b) {
+  const auto same = [](const auto& p, const auto& q) {
+    return p.name == q.name && p.position_m == q.position_m && p.delay_s == q.delay_s;
+  };
+  return std::ranges::equal(a.beacons, b.beacons, same) && std::ranges::equal(a.receivers, b.receivers, same);
+}
+
 /// By as much the place may be another one by another calibration: sigmas of 5 cm and 0.01 rad, squared.
 PoseCovariance between_calibrations(Motion motion) {
   const int dof = pose_dof(motion), shifts = first_turn(motion);
@@ -108,8 +115,10 @@ Follower::Follower(Deployment deployment, const FollowOptions& options)
     if (options_.method != Method::kTracker) lane.localizer = make_localizer_at(deployment_);
     if (may_track()) lane.tracker = make_tracker();
     lane.is_tracked = options_.method == Method::kTracker;
+    if (options_.watch) lane.watch = std::make_unique<Watch>(deployment_, options_.watching, VehicleId(v));
+    watch_motion(lane);
   }
-  if (options_.watch) watch_ = std::make_unique<Watch>(deployment_, options_.watching);
+  in_use_.reserve(options_.most_waiting);
   const bool by_least_squares = options_.method == Method::kAuto || options_.method == Method::kLeastSquares;
   // Poses of several vehicles do not end together.
   if (by_least_squares && lanes_.size() == 1 && deployment_.medium.model != MediumModel::kConstant)
@@ -224,6 +233,7 @@ void Follower::begin_anew(Lane& lane) {
   lane.arrivals_behind = lane.odometry_behind = {};
   lane.is_tracked = options_.method == Method::kTracker;
   if (lane.tracker) lane.tracker = make_tracker();
+  watch_motion(lane);
 }
 
 void Follower::begin_tracking(Lane& lane) {
@@ -272,6 +282,8 @@ void Follower::carry_on(const Follower& before) {
     lane.newest_arrival_s = old.newest_arrival_s;
     lane.newest_row_s = old.newest_row_s;
     lane.hold_s = old.hold_s;
+    if (lane.watch && old.watch && has_same_members(before.deployment_, deployment_))
+      *lane.watch = *old.watch;
     if (!old.is_tracked || lane.tracker == nullptr || before.deployment_.motion != deployment_.motion)
       continue;
     lane.is_tracked = true;
@@ -343,24 +355,32 @@ void Follower::predict(VehicleId vehicle, double time_s, Fix& fix) {
 }
 
 void Follower::fix_pose(Lane& lane, std::span<const Arrival> arrivals) {
-  lane.localizer->locate(Observations{arrivals, {}}, fix_);
+  const auto in_use = still_in_use(lane, arrivals);
+  lane.localizer->locate(Observations{in_use, {}}, fix_);
   if (fix_.rejections.empty()) fix_.time_s = arrivals.front().time_s;  // nothing to fix: no instant either
   report_fix(arrivals);
-  if (watch_ && fix_.ok()) report_alarm(watch_->observe_epoch(arrivals, fix_));
+  if (lane.watch) report_alarm(lane, lane.watch->observe_epoch(in_use, fix_));
 }
 
 void Follower::track_instant(Lane& lane, std::span<const Arrival> arrivals) {
   lane.tracker->advance_to(arrivals.front().time_s);
-  if (watch_ && lane.tracker->is_placed())
-    for (const Arrival& a : arrivals)
-      report_alarm(watch_->observe_arrival(a, lane.tracker->pose(), lane.tracker->covariance()));
-  lane.tracker->locate(Observations{arrivals, {}}, fix_);
+  const bool is_newest = lane.tracker->now_s().value_or(0.0) <= arrivals.front().time_s;
+  if (lane.watch && is_newest)
+    for (const Arrival& a : arrivals) report_alarm(lane, lane.watch->observe_arrival(a));
+  const auto in_use = still_in_use(lane, arrivals);
+  if (in_use.empty()) return;
+  lane.tracker->locate(Observations{in_use, {}}, fix_);
   fix_.time_s = arrivals.front().time_s;
+  if (lane.watch && is_newest && !lane.watch->is_following() && lane.tracker->is_placed())
+    lane.watch->start(lane.tracker->pose(), lane.tracker->covariance());
   report_fix(arrivals);
 }
 
-void Follower::report_alarm(const std::optional<WatchAlarm>& alarm) {
+void Follower::report_alarm(const Lane& lane, const std::optional<WatchAlarm>& alarm) {
   if (!alarm) return;
+  for (Lane& other : lanes_)
+    if (&other != &lane && other.watch && lane.watch->is_out(alarm->beacon))
+      other.watch->leave_out(alarm->beacon);
   ++counts_.alarms;
   const InSink mark(in_sink_);
   if (on_alarm) on_alarm(*alarm);

@@ -115,6 +115,7 @@ class Follower {
     bool is_tracked = false;
     std::unique_ptr<DriveTracker> tracker;
     std::unique_ptr<Localizer> localizer;
+    std::unique_ptr<Watch> watch;
     [[nodiscard]] double newest_s() const { return std::max(newest_arrival_s, newest_row_s); }
     /// The instant up to which arrivals were used.
     [[nodiscard]] double used_until_s() const;
@@ -130,6 +131,7 @@ class Follower {
   bool insert_row(const Row& row);
   void begin_anew(Lane& lane);
   void begin_tracking(Lane& lane);
+  void watch_motion(Lane& lane);
   void wait(Lane& lane, const Arrival& arrival);
   void use_up(Lane& lane, std::size_t count);
   void process(Lane& lane, bool all = false);
@@ -139,14 +141,16 @@ class Follower {
   void fix_pose(Lane& lane, std::span<const Arrival> arrivals);
   void track_instant(Lane& lane, std::span<const Arrival> arrivals);
   void report_fix(std::span<const Arrival> arrivals);
-  void report_alarm(const std::optional<WatchAlarm>& alarm);
+  /// Arrivals without those of beacons and receivers that the watch reported.
+  [[nodiscard]] std::span<const Arrival> still_in_use(const Lane& lane, std::span<const Arrival> arrivals);
+  void report_alarm(const Lane& lane, const std::optional<WatchAlarm>& alarm);
 
   Deployment deployment_;
   FollowOptions options_;
   std::vector<Lane> lanes_;
-  std::unique_ptr<Watch> watch_;
   std::unique_ptr<LiveSpeed> speed_;  ///< of single poses
   double speed_offset_mps_ = 0.0;     ///< that these are fixed with
+  std::vector<Arrival> in_use_;  ///< arrivals without those of beacons and receivers that the watch reported
   FollowCounts counts_;
   Fix fix_;
   bool in_sink_ = false;  ///< the rows that a sink is told of are still in use

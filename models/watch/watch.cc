@@ -5,111 +5,182 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "models/physics/measurement.h"
+#include "models/physics/plane.h"
 
 namespace octant {
 namespace {
 
 constexpr double kMonth_s = 30.0 * 24.0 * 3600.0;
 constexpr double kHour_s = 3600.0;
-/// What a thermometer that nobody checked may be off by, times 0.6 m/s a degree.
-constexpr double kUncheckedAir_mps = 0.6;
-/// What is let pass of a place that is not known better: this many sigmas.
-constexpr double kCalibrationSigmas = 2.0;
-/// Keeps the normal matrix regular; fixes are known better than to a metre or a radian.
-constexpr double kWeakPrior = 1.0;
+/// A block of evidence: longer than multipath is correlated. At rest evidence ends after twice this time.
+constexpr double kBlock_s = 4.0, kBlock_m = 2.0;
+/// Way after which a place counts as another one.
+constexpr double kPlace_m = 2.0;
+constexpr std::size_t kMostBeacons = 16;  ///< that are tested jointly: those received last
+/// Five degrees of air temperature that nobody measured.
+constexpr double kUncheckedAir_mps = 3.0;
+/// No survey is better.
+constexpr double kSurvey_m = 1e-3;
+/// Share of the tolerance that matters, and what matters without one.
+constexpr double kToleranceShare = 0.25, kMatter_m = 0.015;
+/// Residuals that last are followed up to several gates: beyond, the filter would not be linear.
+constexpr double kGateSigmas = 4.0, kFollowedGates = 3.0;
+constexpr double kForgetAcceptance = 1.0 / 50.0, kLeastAcceptance = 0.5;
+/// How well a fix is known before its arrivals are used once more.
+constexpr double kFix_m = 0.3;
+/// Covariance of a tracker's pose is enlarged: it has seen the arrivals that follow no better.
+constexpr double kStartVariance = 4.0;
 
-double cofactor_share(double controlled) { return std::max(controlled, 1e-3); }
+double let_pass_of(const Deployment& d, const WatchOptions& options) {
+  const double tolerated = d.tolerance.beacon_m ? kToleranceShare * *d.tolerance.beacon_m : kMatter_m;
+  return 0.5 * options.matter_m.value_or(tolerated);
+}
+
+std::vector<Eigen::Vector3d> places_of(const Deployment& d) {
+  std::vector<Eigen::Vector3d> places;
+  for (const DeploymentBeacon& b : d.beacons) places.push_back(b.position_m);
+  return places;
+}
+
+std::size_t tested_beacons(const Deployment& d) {
+  return std::min(kMostBeacons, static_cast<std::size_t>(std::ranges::count_if(d.beacons, [](const auto& b) {
+                    return b.status != BeaconStatus::kUndetermined;
+                  })));
+}
+
+std::size_t receivers_of(const Deployment& d, VehicleId vehicle) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(d.receivers, [vehicle](const auto& r) { return r.vehicle == vehicle; }));
+}
+
+/// As many hypotheses as members and kinds of change, and as many decisions as blocks.
+double threshold_of(const Deployment& d, const WatchOptions& options, VehicleId vehicle) {
+  const double hypotheses =
+      static_cast<double>(std::size(kChangeForms) * (tested_beacons(d) + receivers_of(d, vehicle)));
+  return std::log(std::max(2.0, hypotheses * kMonth_s / kBlock_s / options.false_alarms_a_month));
+}
+
+double speed_variance_of(const Deployment& d) {
+  const double unchecked_mps = d.medium.model == MediumModel::kConstant ? 0.0 : kUncheckedAir_mps;
+  return d.speed_sigma_mps * d.speed_sigma_mps + unchecked_mps * unchecked_mps;
+}
+
+ChangeMatrix prior_of(const Eigen::Matrix3d& place_m2, double delay_m) {
+  ChangeMatrix prior = kSurvey_m * kSurvey_m * ChangeMatrix::Identity();
+  prior(0, 0) += delay_m * delay_m;
+  prior.bottomRightCorner<3, 3>() += place_m2;
+  return prior;
+}
 
 }  // namespace
 
-Watch::Watch(const Deployment& d, const WatchOptions& options)
+bool Watch::Recent::agrees(double residual, double within_m) const {
+  const auto with =
+      std::ranges::count_if(std::span(residual_m).first(std::min(count, kCount)),
+                            [&](double other) { return std::abs(other - residual) < within_m; });
+  return with > static_cast<std::ptrdiff_t>(kCount / 2);
+}
+
+Watch::Watch(const Deployment& d, const WatchOptions& options, VehicleId vehicle)
     : motion_(d.motion),
       medium_(d.medium),
       timing_(d.timing),
       noise_(d.noise),
       correlated_(d.correlated_noise),
       state_(shared_state(d)),
-      options_(options) {
-  matter_m_ = options.matter_m.value_or(d.tolerance.beacon_m.value_or(0.03));
+      options_(options),
+      let_pass_m_(let_pass_of(d, options)),
+      threshold_(threshold_of(d, options, vehicle)),
+      first_speed_variance_(speed_variance_of(d)),
+      recent_(d.beacons.size() * d.receivers.size()),
+      evidence_(tested_beacons(d), receivers_of(d, vehicle), threshold_, let_pass_m_),
+      reception_(places_of(d), threshold_),
+      pose_(d.motion, first_speed_variance_ > 0.0, d.timing.clock == Clock::kCycleOffset,
+            evidence_.columns()) {
+  by_change_.setZero(static_cast<Eigen::Index>(evidence_.columns()));
+  beacon_of_member_.resize(tested_beacons(d));
   const double c = d.speed_mps(medium_.temperature_degC);
-  const auto beta = [&](double place_variance_m2, double delay_sigma_s) {
-    const double late_m = c * std::hypot(delay_sigma_s, correlated_.pair_sigma_s);
-    return std::max(0.5 * matter_m_, kCalibrationSigmas * std::sqrt(place_variance_m2 + late_m * late_m));
+  const auto late_m = [&](double delay_sigma_s) {
+    return c * std::hypot(delay_sigma_s, correlated_.pair_sigma_s);
   };
-  for (const DeploymentBeacon& b : d.beacons) {
-    Member member;
-    member.usable = b.status != BeaconStatus::kUndetermined;
-    member.beta_m = beta(b.covariance_m2.trace() / 3.0, b.delay_sigma_s);
-    beacons_.push_back(member);
-  }
+  for (const DeploymentBeacon& b : d.beacons)
+    beacons_.push_back({.usable = b.status != BeaconStatus::kUndetermined,
+                        .prior = prior_of(b.covariance_m2, late_m(b.delay_sigma_s))});
   for (const DeploymentReceiver& r : d.receivers) {
-    Member member;
-    member.beta_m = beta(r.sigma_m.squaredNorm() / 3.0, r.delay_sigma_s);
-    receivers_.push_back(member);
+    Watched receiver{.usable = r.vehicle == vehicle,
+                     .prior = prior_of(r.sigma_m.cwiseAbs2().asDiagonal(), late_m(r.delay_sigma_s))};
+    if (receiver.usable) {
+      receiver.member = beacon_of_member_.size() + receiver_of_member_.size();
+      receiver_of_member_.emplace_back(receivers_.size());
+    }
+    receivers_.push_back(receiver);
   }
-  pose_unknowns_ = unknowns_ = pose_dof(motion_);
-  if (timing_.clock == Clock::kCycleOffset) offset_column_ = unknowns_++;
-  const double unchecked_mps = medium_.model == MediumModel::kConstant ? 0.0 : kUncheckedAir_mps;
-  first_speed_variance_ = speed_variance_ =
-      d.speed_sigma_mps * d.speed_sigma_mps + unchecked_mps * unchecked_mps;
-  if (first_speed_variance_ > 0.0) speed_column_ = unknowns_++;
-  add_charts(beacons_, WatchKind::kBeaconLate, WatchKind::kBeaconMoved);
-  add_charts(receivers_, WatchKind::kReceiverLate, WatchKind::kReceiverMoved);
-  const double steps = options.fixes_per_s * kMonth_s;
-  threshold_ =
-      std::log(std::max(2.0, static_cast<double>(charts_.size()) * steps / options.false_alarms_a_month));
-  rows_.resize(std::max<std::size_t>(64, 2 * beacons_.size() * receivers_.size()));
-}
-
-void Watch::add_charts(std::vector<Member>& members, WatchKind late, WatchKind moved) {
-  for (std::size_t m = 0; m < members.size(); ++m) {
-    members[m].first_chart = charts_.size();
-    for (int k = 0; k < kSignatures; ++k)
-      for (const double sign : {1.0, -1.0})
-        charts_.push_back({.kind = k == 0 ? late : moved, .member = m, .signature = k, .sign = sign});
-  }
-}
-
-void Watch::forget(Chart& chart) noexcept {
-  chart.sum = CumulativeSum{};
-  chart.score = chart.information = 0.0;
+  restart();
 }
 
 void Watch::restart() noexcept {
-  for (Chart& chart : charts_) forget(chart);
-  for (auto* members : {&beacons_, &receivers_})
-    for (Member& member : *members) member.out = false;
-  speed_offset_mps_ = 0.0;
-  speed_variance_ = first_speed_variance_;
+  for (Watched& beacon : beacons_) {
+    beacon.out = false;
+    beacon.member = kNoMember;
+    beacon.received = 0;
+  }
+  std::ranges::fill(beacon_of_member_, BeaconId());
+  for (Watched& receiver : receivers_) {
+    receiver.out = false;
+    if (receiver.member != kNoMember) evidence_.set_prior(receiver.member, receiver.prior);
+  }
+  std::ranges::fill(recent_, Recent{});
+  evidence_.restart();
+  reception_.restart();
+  pose_.set_speed(0.0, first_speed_variance_);
+  following_ = block_open_ = false;
+  last_place_m_.reset();
 }
 
-void Watch::let_speed_drift(double time_s) noexcept {
-  const double hours = std::clamp((time_s - last_speed_s_) / kHour_s, 0.0, 24.0);
-  last_speed_s_ = time_s;
-  if (speed_column_ < 0) return;
-  const double drift = options_.speed_drift_mps_per_hour;
-  speed_variance_ = std::min(first_speed_variance_, speed_variance_ + drift * drift * hours);
+void Watch::leave_out(BeaconId id) noexcept {
+  if (!id.valid() || id.index() >= beacons_.size()) return;
+  beacons_[id.index()].out = true;
+  evidence_.restart();
+  block_open_ = false;
 }
 
-bool Watch::predict(const Arrival& a, const Pose& T_map_vehicle, bool used, Row& row) noexcept {
-  if (!a.beacon.valid() || a.beacon.index() >= beacons_.size() || !a.receiver.valid() ||
-      a.receiver.index() >= receivers_.size())
-    return false;
-  Member& beacon = beacons_[a.beacon.index()];
-  if (!beacon.usable || beacon.out || receivers_[a.receiver.index()].out || !std::isfinite(a.tof_s))
-    return false;
+bool Watch::is_watched(const Arrival& a) const {
+  return a.beacon.valid() && a.beacon.index() < beacons_.size() && a.receiver.valid() &&
+         a.receiver.index() < receivers_.size() && beacons_[a.beacon.index()].usable &&
+         receivers_[a.receiver.index()].usable && std::isfinite(a.tof_s) && std::isfinite(a.time_s);
+}
+
+/// Column of the joint test: that of the beacon received longest ago is given to another one.
+std::size_t Watch::member_of(BeaconId id) noexcept {
+  Watched& beacon = beacons_[id.index()];
+  beacon.received = ++arrivals_;
+  if (beacon.member != kNoMember) return beacon.member;
+  std::size_t at = 0;
+  const auto last = [this](std::size_t m) {
+    return beacon_of_member_[m].valid() ? beacons_[beacon_of_member_[m].index()].received : 0;
+  };
+  for (std::size_t m = 1; m < beacon_of_member_.size(); ++m)
+    if (last(m) < last(at)) at = m;
+  if (beacon_of_member_[at].valid()) beacons_[beacon_of_member_[at].index()].member = kNoMember;
+  beacon_of_member_[at] = id;
+  beacon.member = at;
+  evidence_.forget(at);
+  evidence_.set_prior(at, beacon.prior);
+  pose_.forget_change(static_cast<Eigen::Index>(4 * at));
+  return at;
+}
+
+bool Watch::predict(const Arrival& a, Prediction& out) noexcept {
   const double degC = std::isfinite(a.temperature_degC) ? a.temperature_degC : medium_.temperature_degC;
   if (degC != speed_degC_) {
     speed_degC_ = degC;
     speed_at_degC_mps_ = speed_mps(medium_, degC) + state_.speed_offset_mps[0];
   }
   static const Pose kStanding;
-  PathInput in = path_of(state_, a.beacon, a.receiver, speed_at_degC_mps_ + speed_offset_mps_);
-  in.T_map_vehicle = &T_map_vehicle;
-  in.delay_s += state_.drift(a.vehicle) * (offset_column_ >= 0 ? a.time_s - epoch_s_ : 0.0);
+  PathInput in = path_of(state_, a.beacon, a.receiver, speed_at_degC_mps_ + pose_.speed_offset_mps());
+  in.T_map_vehicle = &pose_.pose();
+  in.delay_s += state_.drift(a.vehicle) * (pose_.offset_column() >= 0 ? a.time_s - epoch_s_ : 0.0);
   if (timing_.ranging == Ranging::kTwoWay) {
     in.delay_s += timing_.turnaround_s;
     in.T_hear_send = &kStanding;
@@ -120,211 +191,160 @@ bool Watch::predict(const Arrival& a, const Pose& T_map_vehicle, bool used, Row&
     walk_sigma_s =
         noise_.amplitude_relative_sigma * walk_by_log_amplitude_s(a.amplitude_v, *state_.attenuation);
   }
-  const PathOutput out = predict_arrival(in, motion_);
+  const PathOutput path = predict_arrival(in, motion_);
+  Watched& beacon = beacons_[a.beacon.index()];
   const double c = in.speed_mps,
                lasting = std::max(1.0, 2.0 * correlated_.time_s / std::max(1e-3, a.time_s - beacon.last_s));
-  const double variance_s2 = noise_.tof_sigma_s * noise_.tof_sigma_s + walk_sigma_s * walk_sigma_s +
-                             correlated_.sigma_s * correlated_.sigma_s * lasting;
-  row.beacon = a.beacon;
-  row.receiver = a.receiver;
-  row.used = used;
-  row.residual_m = c * (a.tof_s - out.tof_s);
-  row.weight = 1.0 / (c * c * variance_s2);
-  row.by_unknowns.setZero();
-  row.by_unknowns.head(pose_unknowns_) = c * out.tof_by_pose.head(pose_unknowns_).transpose();
-  if (offset_column_ >= 0) row.by_unknowns[offset_column_] = 1.0;
-  if (speed_column_ >= 0) row.by_unknowns[speed_column_] = c * out.tof_by_speed;
-  row.by_beacon << 1.0, c * out.tof_by_beacon.transpose();
-  row.by_receiver << 1.0, c * out.tof_by_receiver.transpose();
-  return std::isfinite(row.residual_m);
+  beacon.last_s = a.time_s;
+  out.residual_m = c * (a.tof_s - path.tof_s) - pose_.offset_m();
+  out.variance_m2 = c * c *
+                    (noise_.tof_sigma_s * noise_.tof_sigma_s + walk_sigma_s * walk_sigma_s +
+                     correlated_.sigma_s * correlated_.sigma_s * lasting);
+  by_unknowns_.setZero();
+  by_unknowns_.head(pose_.pose_unknowns()) = c * path.tof_by_pose.head(pose_.pose_unknowns()).transpose();
+  if (pose_.offset_column() >= 0) by_unknowns_[pose_.offset_column()] = 1.0;
+  if (pose_.speed_column() >= 0) by_unknowns_[pose_.speed_column()] = c * path.tof_by_speed;
+  by_change_.setZero();
+  const auto of_beacon = static_cast<Eigen::Index>(4 * beacon.member),
+             of_receiver = static_cast<Eigen::Index>(4 * receivers_[a.receiver.index()].member);
+  by_change_.segment<4>(of_beacon) << 1.0, c * path.tof_by_beacon.transpose();
+  by_change_.segment<4>(of_receiver) << 1.0, c * path.tof_by_receiver.transpose();
+  pose_.add_estimate(by_unknowns_, by_change_);
+  return std::isfinite(out.residual_m) && by_change_.allFinite();
+}
+
+void Watch::observe(const Arrival& a, bool may_correct) noexcept {
+  static_cast<void>(member_of(a.beacon));
+  Prediction prediction;
+  if (!predict(a, prediction)) return;
+  const double variance_m2 = prediction.variance_m2 + pose_.variance(by_unknowns_),
+               gate_m = kGateSigmas * std::sqrt(variance_m2 + let_pass_m_ * let_pass_m_);
+  const bool within = std::abs(prediction.residual_m) < gate_m;
+  acceptance_ += kForgetAcceptance * ((within ? 1.0 : 0.0) - acceptance_);
+  Recent& recent = recent_[a.beacon.index() * receivers_.size() + a.receiver.index()];
+  const bool lasts = recent.agrees(prediction.residual_m, gate_m);
+  recent.residual_m[recent.count++ % Recent::kCount] = prediction.residual_m;
+  if (!block_open_) {
+    block_open_ = true;
+    block_begin_s_ = a.time_s;
+    block_way_m_ = 0.0;
+    evidence_.begin_block(a.time_s);
+  }
+  if ((within || lasts) && acceptance_ > kLeastAcceptance && a.time_s - block_begin_s_ < 2.0 * kBlock_s)
+    evidence_.add(by_change_, prediction.residual_m, variance_m2);
+  // A filter that used only the smaller ones of residuals that last would follow their noise.
+  const bool follows = within || (lasts && std::abs(prediction.residual_m) < kFollowedGates * gate_m);
+  if (follows && may_correct) pose_.correct(by_unknowns_, by_change_, prediction.residual_m, variance_m2);
+}
+
+void Watch::travel(double distance_m, double time_s) noexcept {
+  block_way_m_ += distance_m;
+  place_way_m_ += distance_m;
+  const double hours = std::clamp((time_s - last_speed_s_) / kHour_s, 0.0, 24.0),
+               drift = options_.speed_drift_mps_per_hour;
+  pose_.let_speed_drift(drift * drift * hours, first_speed_variance_);
+  last_speed_s_ = time_s;
+  if (!block_open_ || evidence_.is_testing() || time_s - block_begin_s_ < kBlock_s || block_way_m_ < kBlock_m)
+    return;
+  evidence_.end_block();
+  block_open_ = false;
 }
 
 std::optional<WatchAlarm> Watch::observe_epoch(std::span<const Arrival> arrivals, const Fix& fix) noexcept {
-  if (!fix.ok() || arrivals.empty()) return std::nullopt;
-  let_speed_drift(fix.time_s);
-  epoch_s_ = arrivals.front().time_s;
+  for (const Arrival& a : arrivals)
+    if (is_watched(a)) reception_.receive(a.beacon);
+  if (!fix.ok() || arrivals.empty() || fix.covariance.rows() != pose_.pose_unknowns()) return std::nullopt;
   const bool known = fix.rejections.size() == arrivals.size();
-  row_count_ = 0;
-  int used = 0;
-  for (std::size_t i = 0; i < arrivals.size() && row_count_ < rows_.size(); ++i) {
-    const bool of_fix = !known || fix.rejections[i] == Rejection::kUsed;
-    if (!predict(arrivals[i], fix.T_map_vehicle, of_fix, rows_[row_count_])) continue;
-    ++row_count_;
-    used += of_fix;
-  }
-  if (used <= unknowns_) return std::nullopt;
-  // The adjustment in one step from the fix: N = H' P H + prior, dx = N^-1 H' P v.
-  Eigen::Matrix<double, kMostUnknowns, kMostUnknowns> N =
-      Eigen::Matrix<double, kMostUnknowns, kMostUnknowns>::Identity() * kWeakPrior;
-  Unknowns g = Unknowns::Zero();
-  if (offset_column_ >= 0) N(offset_column_, offset_column_) = 1e-9;
-  if (speed_column_ >= 0) N(speed_column_, speed_column_) = 1.0 / speed_variance_;
-  for (std::size_t i = 0; i < row_count_; ++i) {
-    const Row& row = rows_[i];
-    if (!row.used) continue;
-    N.noalias() += row.weight * row.by_unknowns * row.by_unknowns.transpose();
-    g += row.weight * row.residual_m * row.by_unknowns;
-  }
-  const Eigen::LLT<Eigen::Matrix<double, kMostUnknowns, kMostUnknowns>> factor(N);
-  if (factor.info() != Eigen::Success) return std::nullopt;
-  inverse_.setIdentity();
-  factor.solveInPlace(inverse_);
-  const Unknowns step = inverse_ * g;
-  for (std::size_t i = 0; i < row_count_; ++i) rows_[i].residual_m -= rows_[i].by_unknowns.dot(step);
-  clip_and_gather();
-  if (speed_column_ >= 0)
-    follow_speed(speed_offset_mps_ + step[speed_column_], inverse_(speed_column_, speed_column_));
-  for (auto* members : {&beacons_, &receivers_})
-    for (Member& member : *members)
-      if (member.used.any || member.left_out.any) update(member, fix.time_s);
-  return verdict(fix.time_s);
-}
-
-void Watch::follow_speed(double offset_mps, double variance) noexcept {
-  // Never farther than what a thermometer may plausibly be off: a beacon that moved is no weather.
-  const double farthest_mps = 4.0 * std::sqrt(first_speed_variance_);
-  speed_offset_mps_ = std::clamp(offset_mps, -farthest_mps, farthest_mps);
-  speed_variance_ = std::clamp(variance, 1e-12, first_speed_variance_);
-}
-
-double Watch::limit_of(const Row& row, double variance_m2) const noexcept {
-  // Wide enough that what is not let pass any more shows.
-  return 2.0 * std::max(beacons_[row.beacon.index()].beta_m, receivers_[row.receiver.index()].beta_m) +
-         options_.clip_sigmas * std::sqrt(variance_m2);
-}
-
-void Watch::clip_and_gather() noexcept {
-  for (auto* members : {&beacons_, &receivers_})
-    for (Member& member : *members) {
-      if (member.used.any) member.used = Sums{};
-      if (member.left_out.any) member.left_out = Sums{};
-    }
-  for (std::size_t i = 0; i < row_count_; ++i) {
-    Row& row = rows_[i];
-    const double of_fix = row.weight * row.by_unknowns.dot(inverse_ * row.by_unknowns);
-    const double limit_m =
-        limit_of(row, (row.used ? cofactor_share(1.0 - of_fix) : 1.0 + of_fix) / row.weight);
-    row.residual_m = std::clamp(row.residual_m, -limit_m, limit_m);
-    gather(row);
-  }
-}
-
-void Watch::gather(const Row& row) noexcept {
-  const auto add = [&row](Member& member, const Signature& by_change) {
-    Sums& sums = row.used ? member.used : member.left_out;
-    sums.any = true;
-    sums.score += row.weight * row.residual_m * by_change;
-    sums.information.noalias() += row.weight * by_change * by_change.transpose();
-    sums.by_unknowns.noalias() += row.weight * row.by_unknowns * by_change.transpose();
+  const auto in_use = [&](std::size_t i) {
+    return is_watched(arrivals[i]) && !is_out(arrivals[i].beacon) && !is_out(arrivals[i].receiver);
   };
-  add(beacons_[row.beacon.index()], row.by_beacon);
-  add(receivers_[row.receiver.index()], row.by_receiver);
-}
-
-void Watch::update(Member& member, double time_s) noexcept {
-  Signature score = Signature::Zero(), information = Signature::Zero(), cross = Signature::Zero();
-  if (member.used.any) {
-    const Eigen::Matrix<double, kSignatures, kSignatures> controlled =
-        member.used.information - member.used.by_unknowns.transpose() * (inverse_ * member.used.by_unknowns);
-    score = member.used.score;
-    information = controlled.diagonal().cwiseMax(0.0);
-    cross = controlled.col(0);
-  }
-  if (member.left_out.any) {
-    // Arrivals that the fix did not use are predicted by it: their errors and its own add up, and are
-    // independent of the residuals of those that it used. a = c' P v ~ N(b A, A + g' N^-1 g).
-    const Sums& s = member.left_out;
-    const Signature variance =
-        s.information.diagonal() + (s.by_unknowns.transpose() * (inverse_ * s.by_unknowns)).diagonal();
-    for (int k = 0; k < kSignatures; ++k) {
-      if (!(variance[k] > 0.0)) continue;
-      const double share = s.information(k, k) / variance[k];
-      score[k] += share * s.score[k];
-      information[k] += share * s.information(k, k);
-      cross[k] += share * s.information(k, 0);
-    }
-  }
-  advance_charts(member, score, information, cross, time_s);
-}
-
-void Watch::advance_charts(Member& member, const Signature& score, const Signature& information,
-                           const Signature& cross, double time_s) noexcept {
-  for (int k = 0; k < kSignatures; ++k)
-    for (std::size_t side = 0; side < 2; ++side)
-      advance(charts_[member.first_chart + 2 * static_cast<std::size_t>(k) + side], score[k], information[k],
-              cross[k], member.beta_m, time_s);
-  member.last_s = time_s;
-}
-
-void Watch::advance(Chart& chart, double score, double information, double cross, double beta_m,
-                    double time_s) noexcept {
-  if (!(information > 1e-9)) return;
-  const double delta_m = std::min(0.5 * matter_m_, 1.0 / std::sqrt(information));
-  const double let_pass = beta_m * std::max(information, std::abs(cross));
-  const double gain = std::min(threshold_ / options_.least_steps, delta_m * (chart.sign * score - let_pass) -
-                                                                      0.5 * delta_m * delta_m * information);
-  const bool begins = chart.sum.value == 0.0;
-  if (!chart.sum.add(gain)) {
-    forget(chart);
-    return;
-  }
-  if (begins) chart.since_s = time_s;
-  chart.score += chart.sign * score;
-  chart.information += information;
-  alarmed_ = alarmed_ || chart.sum.value > threshold_;
-}
-
-std::optional<WatchAlarm> Watch::verdict(double time_s) noexcept {
-  if (!alarmed_) return std::nullopt;
-  alarmed_ = false;
-  // A change shows in the residuals of others too, but nowhere by as many sigmas as in its own chart.
-  const Chart* likeliest = nullptr;
-  const auto sigmas = [](const Chart& chart) {
-    return chart.information > 0.0 ? chart.score / std::sqrt(chart.information) : 0.0;
-  };
-  for (const Chart& chart : charts_)
-    if (chart.sum.value > 0.5 * threshold_ && (likeliest == nullptr || sigmas(chart) > sigmas(*likeliest)))
-      likeliest = &chart;
-  if (likeliest == nullptr) return std::nullopt;
-  WatchAlarm alarm;
-  alarm.kind = likeliest->kind;
-  const bool of_beacon = alarm.kind == WatchKind::kBeaconLate || alarm.kind == WatchKind::kBeaconMoved;
-  if (of_beacon) alarm.beacon = BeaconId(likeliest->member);
-  if (!of_beacon) alarm.receiver = ReceiverId(likeliest->member);
-  alarm.axis = std::max(0, likeliest->signature - 1);
-  alarm.size_m = likeliest->sign * likeliest->score / likeliest->information;
-  alarm.sigma_m = 1.0 / std::sqrt(likeliest->information);
-  alarm.since_s = likeliest->since_s;
-  alarm.time_s = time_s;
-  (of_beacon ? beacons_ : receivers_)[likeliest->member].out = true;
-  for (Chart& chart : charts_) forget(chart);
+  const auto used = [&](std::size_t i) { return !known || fix.rejections[i] == Rejection::kUsed; };
+  int count = 0;
+  for (std::size_t i = 0; i < arrivals.size(); ++i) count += in_use(i) && used(i);
+  if (count <= pose_.pose_unknowns() + (pose_.offset_column() >= 0)) return std::nullopt;
+  PoseCovariance weak = fix.covariance;
+  weak.diagonal().array() += kFix_m * kFix_m;
+  pose_.start(fix.T_map_vehicle, weak);
+  acceptance_ = 1.0;
+  epoch_s_ = arrivals.front().time_s;
+  travel(last_place_m_ ? (fix.T_map_vehicle.translation_m - *last_place_m_).norm() : 0.0, fix.time_s);
+  last_place_m_ = fix.T_map_vehicle.translation_m;
+  for (std::size_t i = 0; i < arrivals.size(); ++i)
+    if (in_use(i) && used(i)) observe(arrivals[i], true);
+  for (std::size_t i = 0; i < arrivals.size(); ++i)
+    if (in_use(i) && !used(i)) observe(arrivals[i], false);
+  std::optional<WatchAlarm> alarm;
+  for (std::size_t i = 0; i < arrivals.size() && !alarm; ++i) alarm = verdict(fix.time_s);
   return alarm;
 }
 
-std::optional<WatchAlarm> Watch::observe_arrival(const Arrival& arrival, const Pose& T_map_vehicle,
-                                                 const PoseCovariance& covariance) noexcept {
-  if (covariance.rows() != pose_unknowns_ || covariance.cols() != pose_unknowns_ || offset_column_ >= 0)
-    return std::nullopt;
-  let_speed_drift(arrival.time_s);
-  Row& row = rows_[0];
-  if (!predict(arrival, T_map_vehicle, false, row)) return std::nullopt;
-  const auto by_pose = row.by_unknowns.head(pose_unknowns_);
-  const double by_speed = speed_column_ >= 0 ? row.by_unknowns[speed_column_] : 0.0;
-  const double of_speed_m2 = speed_column_ >= 0 ? speed_variance_ * by_speed * by_speed : 0.0;
-  const double variance_m2 = 1.0 / row.weight + by_pose.dot(covariance * by_pose) + of_speed_m2;
-  const double limit_m = limit_of(row, variance_m2);
-  const double innovation_m = std::clamp(row.residual_m, -limit_m, limit_m);
-  const auto weigh = [&](Member& member, const Signature& by_change) {
-    advance_charts(member, innovation_m / variance_m2 * by_change, by_change.cwiseAbs2() / variance_m2,
-                   by_change / variance_m2, arrival.time_s);
-  };
-  weigh(beacons_[row.beacon.index()], row.by_beacon);
-  weigh(receivers_[row.receiver.index()], row.by_receiver);
-  if (speed_column_ >= 0) {
-    const double gain = speed_variance_ * by_speed / variance_m2;
-    follow_speed(speed_offset_mps_ + gain * innovation_m, speed_variance_ * (1.0 - gain * by_speed));
+void Watch::start(const Pose& T_map_vehicle, const PoseCovariance& covariance) noexcept {
+  if (covariance.rows() != pose_.pose_unknowns() || pose_.offset_column() >= 0) return;
+  pose_.start(T_map_vehicle, kStartVariance * covariance);
+  following_ = true;
+  block_open_ = false;
+  acceptance_ = 1.0;
+}
+
+void Watch::move(const OdometryObservation& motion) noexcept {
+  if (!following_) return;
+  pose_.move(motion.T_before_after, {.distance_m2 = square(motion.distance_sigma_m),
+                                     .heading_rad2 = square(motion.heading_sigma_rad)});
+  travel(motion.T_before_after.translation_m.norm(), now_s_);
+}
+
+std::optional<WatchAlarm> Watch::observe_arrival(const Arrival& a) noexcept {
+  if (!is_watched(a)) return std::nullopt;
+  reception_.receive(a.beacon);
+  now_s_ = a.time_s;
+  if (!following_) return std::nullopt;
+  if (!is_out(a.beacon) && !is_out(a.receiver)) observe(a, true);
+  if (acceptance_ < kLeastAcceptance) following_ = false;
+  return verdict(a.time_s);
+}
+
+std::optional<WatchAlarm> Watch::verdict(double time_s) noexcept {
+  if (const auto change = evidence_.evaluate()) return alarm_of(*change, time_s);
+  if (place_way_m_ < kPlace_m) return std::nullopt;
+  place_way_m_ = 0.0;
+  const auto silent = reception_.leave_place(pose_.pose().translation_m, time_s);
+  if (!silent || !beacons_[silent->index()].usable || is_out(*silent)) return std::nullopt;
+  WatchAlarm alarm;
+  alarm.kind = WatchKind::kBeaconSilent;
+  alarm.beacon = *silent;
+  alarm.since_s = reception_.since_s(*silent);
+  alarm.time_s = time_s;
+  return alarm;
+}
+
+WatchAlarm Watch::alarm_of(const FoundChange& change, double time_s) noexcept {
+  WatchAlarm alarm;
+  const bool is_beacon = change.member < beacon_of_member_.size();
+  const Eigen::Vector3d shift_m = change.size_m.tail<3>(),
+                        sigma_m = change.covariance_m2.diagonal().tail<3>().cwiseSqrt();
+  const bool late = change.form == ChangeForm::kLate;
+  if (is_beacon) {
+    alarm.kind = late ? WatchKind::kBeaconLate : WatchKind::kBeaconMoved;
+    alarm.beacon = beacon_of_member_[change.member];
+    beacons_[alarm.beacon.index()].out = true;
+  } else {
+    alarm.kind = late ? WatchKind::kReceiverLate : WatchKind::kReceiverMoved;
+    alarm.receiver = receiver_of_member_[change.member - beacon_of_member_.size()];
+    receivers_[alarm.receiver.index()].out = true;
   }
-  return verdict(arrival.time_s);
+  if (!late) {
+    (shift_m.cwiseAbs() - 2.0 * sigma_m).maxCoeff(&alarm.axis);
+    alarm.shift_m = shift_m;
+  }
+  const int at = late ? 0 : 1 + alarm.axis;
+  alarm.size_m = change.size_m[at];
+  alarm.sigma_m = std::sqrt(change.covariance_m2(at, at));
+  alarm.since_s = change.since_s;
+  alarm.time_s = time_s;
+  evidence_.restart();
+  block_open_ = false;
+  pose_.remove_change(static_cast<Eigen::Index>(4 * change.member), change.size_m);
+  return alarm;
 }
 
 }  // namespace octant

@@ -50,6 +50,7 @@ class DriveTracker::Core {
   [[nodiscard]] virtual bool is_placed() const = 0;
   [[nodiscard]] virtual OdometryQueue& odometry() = 0;
   virtual void predict(double time_s, Fix& fix) = 0;
+  std::function<void(const OdometryObservation*)> motion_sink;
 };
 
 /// In so many degrees of freedom.
@@ -193,6 +194,7 @@ void DriveTracker::CoreOf<kDof>::step(Filter& filter, const MotionPart& part) co
 
 template <int kDof>
 void DriveTracker::CoreOf<kDof>::coast(double span_s, double since_s) {
+  if (motion_sink) motion_sink(nullptr);
   const MotionLimits& limits = odometry_.limits();
   OdometryObservation motion;
   // A velocity that lasts for that time moves the vehicle by no more.
@@ -211,6 +213,7 @@ void DriveTracker::CoreOf<kDof>::coast(double span_s, double since_s) {
 
 template <int kDof>
 void DriveTracker::CoreOf<kDof>::step(const MotionPart& part) {
+  if (motion_sink) motion_sink(&part.observation);
   if (placed_) for_each_filter([&](Filter& filter) { step(filter, part); });
   odometry_.remember(part.observation, part.span_s);
   search_.window().step(part.observation, part.span_s);
@@ -378,6 +381,9 @@ std::optional<double> DriveTracker::now_s() const {
 }
 double DriveTracker::oldest_s() const { return core_->odometry().oldest_s(); }
 void DriveTracker::advance_to(double time_s) noexcept { core_->advance_to(time_s); }
+void DriveTracker::set_motion_sink(std::function<void(const OdometryObservation*)> sink) {
+  core_->motion_sink = std::move(sink);
+}
 void DriveTracker::predict(double time_s, Fix& fix) noexcept { core_->predict(time_s, fix); }
 bool DriveTracker::is_placed() const { return core_->is_placed(); }
 Pose DriveTracker::pose() const { return core_->pose(); }

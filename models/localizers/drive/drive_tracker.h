@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -10,6 +11,7 @@
 #include "models/localizers/common/localizer.h"
 #include "models/localizers/start/tracker_options.h"
 #include "models/run.h"
+#include "models/trajectory/trajectory.h"
 
 namespace octant {
 
@@ -50,6 +52,8 @@ class DriveTracker final : public Localizer {
   [[nodiscard]] double oldest_s() const;
   /// Predicts to an instant, where that is later than now.
   void advance_to(double time_s) noexcept;
+  /// Called while time advances: for each motion that odometry tells, and with null where it tells none.
+  void set_motion_sink(std::function<void(const OdometryObservation*)> sink);
 
   /// The state predicted to an instant, which leaves the tracker as it is. Not ok where the place is not
   /// known.

@@ -157,8 +157,9 @@ RC_GTEST_PROP(KnownIds, AWatchLooksAway, ()) {
   fix.rejections.resize(*rc::gen::inRange<std::size_t>(0, 2 * arrivals.size() + 1));
   fix.covariance = 1e-4 * Eigen::Matrix3d::Identity();
   (void)watch.observe_epoch(arrivals, fix);
+  watch.start(fix.T_map_vehicle, fix.covariance);
   for (const Arrival& a : arrivals) {
-    (void)watch.observe_arrival(a, fix.T_map_vehicle, fix.covariance);
+    (void)watch.observe_arrival(a);
     (void)watch.is_out(a.beacon);
     (void)watch.is_out(a.receiver);
   }

@@ -1,0 +1,280 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/watch/change_evidence.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace octant {
+namespace {
+
+/// Numbers of the last blocks from which on a change is tested.
+constexpr std::array<std::size_t, 17> kSince = {2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 20, 24};
+/// Blocks in all without which there is no test: they show the errors of the place.
+constexpr std::size_t kLeastBlocks = 6;
+/// Prior sigma of a change along each axis [m].
+constexpr double kChanged_m = 0.2;
+/// Log likelihood ratio between the accused and any other member (one in a thousand), and between the forms
+/// of the change (one in twenty).
+constexpr double kMemberMargin = 7.0, kFormMargin = 3.0;
+/// Tests in a row that show a change before it is reported, so that its blocks outweigh those before it; and
+/// at most, where its form is not clear.
+constexpr std::size_t kConfirm = 7, kWaitForForm = 9;
+
+/// Evidence and estimate for a change along `k` of the four columns.
+template <int k>
+double evidence(const Eigen::Matrix<double, k, 1>& u, const Eigen::Matrix<double, k, k>& V,
+                Eigen::Matrix<double, k, 1>& size_m, Eigen::Matrix<double, k, k>& covariance_m2) {
+  constexpr double kPrior = 1.0 / (kChanged_m * kChanged_m);
+  const Eigen::LLT<Eigen::Matrix<double, k, k>> factor(V + kPrior * Eigen::Matrix<double, k, k>::Identity());
+  size_m = factor.solve(u);
+  covariance_m2 = factor.solve(Eigen::Matrix<double, k, k>::Identity());
+  const Eigen::Matrix<double, k, k> L = factor.matrixL();
+  return 0.5 * u.dot(size_m) - L.diagonal().array().log().sum() + 0.5 * k * std::log(kPrior);
+}
+
+}  // namespace
+
+ChangeEvidence::ChangeEvidence(std::size_t beacons, std::size_t receivers, double threshold, double least_m)
+    : beacons_(beacons),
+      threshold_(threshold),
+      least_m_(least_m),
+      priors_(beacons + receivers, ChangeMatrix::Identity()),
+      blocks_(kBlocks) {
+  const auto n = static_cast<Eigen::Index>(columns());
+  for (Block& block : blocks_) {
+    block.N.setZero(n, n);
+    block.s.setZero(n);
+  }
+  for (Eigen::MatrixXd* matrix : {&N_, &covariance_, &N_since_}) matrix->setZero(n, n);
+  for (Eigen::VectorXd* vector : {&s_, &s_since_, &estimate_, &theta_}) vector->setZero(n);
+  product_.setZero(n, 4);
+  residuals_.setZero(n, kBlocks);
+  factor_ = Eigen::LLT<Eigen::MatrixXd>(n);
+  inflations_.reserve(priors_.size());
+}
+
+void ChangeEvidence::set_prior(std::size_t member, const ChangeMatrix& covariance_m2) {
+  priors_[member] = Eigen::LLT<ChangeMatrix>(covariance_m2).solve(ChangeMatrix::Identity());
+}
+
+void ChangeEvidence::forget(std::size_t member) {
+  for (Block& block : blocks_) {
+    block.N.middleRows<4>(first_column(member)).setZero();
+    block.N.middleCols<4>(first_column(member)).setZero();
+    block.s.segment<4>(first_column(member)).setZero();
+  }
+}
+
+void ChangeEvidence::restart() {
+  filled_ = step_ = confirmed_ = 0;
+  inflation_ = 1.0;
+  begin_block(0.0);
+}
+
+void ChangeEvidence::add(const Eigen::VectorXd& by_theta, double innovation_m, double variance_m2) {
+  Block& block = blocks_[newest_];
+  block.N.selfadjointView<Eigen::Lower>().rankUpdate(by_theta, 1.0 / variance_m2);
+  block.s += innovation_m / variance_m2 * by_theta;
+}
+
+void ChangeEvidence::begin_block(double time_s) {
+  Block& block = blocks_[newest_];
+  block.N.setZero();
+  block.s.setZero();
+  block.begin_s = time_s;
+}
+
+void ChangeEvidence::end_block() noexcept {
+  filled_ = std::min(filled_ + 1, kBlocks - 1);
+  newest_ = (newest_ + 1) % kBlocks;
+  if (filled_ >= kLeastBlocks) step_ = 1;
+}
+
+std::optional<FoundChange> ChangeEvidence::evaluate() {
+  if (step_ == 0) return std::nullopt;
+  const std::size_t at = step_++;
+  if (at == 1) {
+    solve();
+  } else if (at - 2 < kSince.size() && kSince[at - 2] <= filled_) {
+    compare(kSince[at - 2]);
+  } else {
+    step_ = 0;
+    return decide();
+  }
+  return std::nullopt;
+}
+
+/// Estimates theta without a change.
+void ChangeEvidence::solve() {
+  N_.setZero();
+  s_.setZero();
+  for (std::size_t age = 1; age <= filled_; ++age) {
+    N_ += recent(age).N;
+    s_ += recent(age).s;
+  }
+  covariance_ = N_ / inflation_;
+  for (std::size_t m = 0; m < priors_.size(); ++m)
+    covariance_.block<4, 4>(first_column(m), first_column(m)) += priors_[m];
+  factor_.compute(covariance_);
+  covariance_.setIdentity();
+  factor_.solveInPlace(covariance_);
+  estimate_.noalias() = covariance_ * s_ / inflation_;
+  best_ = Candidate{};
+  rival_evidence_ = 0.0;
+  N_since_.setZero();
+  s_since_.setZero();
+  summed_ = 0;
+}
+
+ChangeEvidence::Score ChangeEvidence::score_of(std::size_t member) {
+  const auto N = N_since_.middleCols<4>(first_column(member));
+  product_.noalias() = covariance_ * N;
+  Score score;
+  score.u = (s_since_.segment<4>(first_column(member)) - N.transpose() * estimate_) / inflation_;
+  score.V = N.middleRows<4>(first_column(member)) / inflation_ -
+            N.transpose() * product_ / (inflation_ * inflation_);
+  return score;
+}
+
+ChangeEvidence::Candidate ChangeEvidence::candidate_of(const Score& score, ChangeForm form) {
+  Candidate out;
+  out.change.form = form;
+  if (form == ChangeForm::kLate) {
+    Eigen::Matrix<double, 1, 1> size, covariance;
+    out.evidence = evidence<1>(score.u.head<1>(), score.V.topLeftCorner<1, 1>(), size, covariance);
+    out.change.size_m[0] = size[0];
+    out.change.covariance_m2(0, 0) = covariance(0, 0);
+  } else {
+    Eigen::Vector3d size;
+    Eigen::Matrix3d covariance;
+    out.evidence = evidence<3>(score.u.tail<3>(), score.V.bottomRightCorner<3, 3>(), size, covariance);
+    out.change.size_m.tail<3>() = size;
+    out.change.covariance_m2.bottomRightCorner<3, 3>() = covariance;
+  }
+  return out;
+}
+
+void ChangeEvidence::sum_since(std::size_t blocks) {
+  if (blocks < summed_) {
+    N_since_.setZero();
+    s_since_.setZero();
+    summed_ = 0;
+  }
+  for (; summed_ < blocks; ++summed_) {
+    N_since_.triangularView<Eigen::Lower>() += recent(summed_ + 1).N;
+    s_since_ += recent(summed_ + 1).s;
+  }
+  N_since_.triangularView<Eigen::StrictlyUpper>() = N_since_.transpose();
+}
+
+/// The likelier form of a member's change since the blocks that are summed.
+ChangeEvidence::Candidate ChangeEvidence::best_form(std::size_t member) {
+  const Score score = score_of(member);
+  Candidate best = candidate_of(score, ChangeForm::kLate), moved = candidate_of(score, ChangeForm::kMoved);
+  if (moved.evidence > best.evidence) std::swap(best, moved);
+  best.other_form = moved.evidence;
+  best.change.member = member;
+  best.blocks = summed_;
+  return best;
+}
+
+/// Compares the changes of all members since a number of blocks.
+void ChangeEvidence::compare(std::size_t blocks) {
+  sum_since(blocks);
+  for (std::size_t m = 0; m < priors_.size(); ++m) {
+    if (!is_tested(m)) continue;
+    const Candidate candidate = best_form(m);
+    const bool is_best = candidate.evidence > best_.evidence;
+    if (m != best_.change.member)
+      rival_evidence_ = std::max(rival_evidence_, is_best ? best_.evidence : candidate.evidence);
+    if (is_best) best_ = candidate;
+  }
+}
+
+/// Root mean square of the change of a path.
+double ChangeEvidence::effect_m(const FoundChange& change) const {
+  const Eigen::Index first = first_column(change.member);
+  const double squares = change.size_m.dot(N_since_.block<4, 4>(first, first) * change.size_m);
+  return std::sqrt(std::max(0.0, squares) / std::max(1e-9, N_since_(first, first)));
+}
+
+/// Residual sums of the blocks, with the change of the accused in those that are summed.
+void ChangeEvidence::find_residuals(const FoundChange& change) {
+  const Eigen::Index first = first_column(change.member);
+  theta_ = estimate_;
+  theta_.noalias() -= covariance_ * (N_since_.middleCols<4>(first) * change.size_m) / inflation_;
+  theta_.segment<4>(first) += change.size_m;
+  for (std::size_t age = 1; age <= filled_; ++age) {
+    if (age == summed_ + 1) theta_.segment<4>(first) -= change.size_m;
+    auto residual = residuals_.col(static_cast<Eigen::Index>(age - 1));
+    residual = recent(age).s;
+    residual.noalias() -= recent(age).N.selfadjointView<Eigen::Lower>() * theta_;
+  }
+}
+
+/// Variance of a member's residual sums over that of white noise, with a lag of one block included. The block
+/// in which the change came fits neither before nor after it.
+double ChangeEvidence::inflation_of(std::size_t member) {
+  if (summed_ > 0) residuals_.col(static_cast<Eigen::Index>(summed_ - 1)).setZero();
+  double sum = 0.0, white = 0.0;
+  for (Eigen::Index c = first_column(member); c < first_column(member) + 4; ++c) {
+    const auto r = residuals_.row(c).head(static_cast<Eigen::Index>(filled_));
+    sum += r.squaredNorm() + std::max(0.0, 2.0 * r.head(r.size() - 1).dot(r.tail(r.size() - 1)));
+    white += N_(c, c);
+  }
+  return white > 0.0 ? sum / white : 0.0;
+}
+
+/// Median of the beacons, or of the receivers, without the accused; at least 1.
+double ChangeEvidence::typical_inflation(std::size_t accused) {
+  double largest = 1.0;
+  for (const bool beacons : {true, false}) {
+    inflations_.clear();
+    for (std::size_t m = beacons ? 0 : beacons_; m < (beacons ? beacons_ : priors_.size()); ++m)
+      if (m != accused && is_tested(m)) inflations_.push_back(inflation_of(m));
+    if (inflations_.empty()) continue;
+    const auto middle = inflations_.begin() + static_cast<std::ptrdiff_t>(inflations_.size() / 2);
+    std::ranges::nth_element(inflations_, middle);
+    largest = std::max(largest, *middle);
+  }
+  return largest;
+}
+
+std::optional<FoundChange> ChangeEvidence::decide() {
+  sum_since(best_.blocks);
+  find_residuals(best_.change);
+  const double typical = typical_inflation(best_.change.member),
+               own = std::max(typical, inflation_of(best_.change.member));
+  // A likelihood ratio is that much smaller where the variance is, and again where that was estimated from
+  // few blocks (Student).
+  const double n = static_cast<double>(filled_), weight = inflation_ / own;
+  const auto student = [&](double gain) {
+    return 0.5 * n * std::log1p(2.0 * std::max(0.0, gain) * weight / n);
+  };
+  const bool is_change = student(best_.evidence) > threshold_ &&
+                         student(best_.evidence - rival_evidence_) > kMemberMargin &&
+                         effect_m(best_.change) > least_m_;
+  confirmed_ = is_change ? confirmed_ + 1 : 0;
+  const bool is_confirmed = confirmed_ >= kConfirm && best_.blocks > 2;
+  Candidate later = best_;
+  bool is_clear = false;
+  if (is_confirmed) {
+    // The change came during the first of the blocks: size and form are those of the later ones.
+    sum_since(best_.blocks - 1);
+    later = best_form(best_.change.member);
+    is_clear = student(later.evidence - later.other_form) >= kFormMargin;
+    if (!is_clear) later.change = candidate_of(score_of(best_.change.member), ChangeForm::kLate).change;
+  }
+  inflation_ = typical;
+  if (!is_confirmed || (!is_clear && confirmed_ < kWaitForForm)) return std::nullopt;
+  FoundChange change = later.change;
+  change.member = best_.change.member;
+  change.covariance_m2 /= weight;
+  change.since_s = recent(best_.blocks).begin_s;
+  return change;
+}
+
+}  // namespace octant

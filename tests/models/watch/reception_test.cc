@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "models/watch/reception.h"
+
+#include <gtest/gtest.h>
+
+namespace octant {
+namespace {
+
+/// Four beacons in the corners of a hall, received within 12 m. Drives to and fro, two metres a place.
+std::vector<BeaconId> silent_beacons(int places, int dead, int dies_at) {
+  const std::vector<Eigen::Vector3d> beacons = {{0, 0, 3}, {20, 0, 3}, {0, 10, 3}, {20, 10, 3}};
+  ReceptionWatch watch(beacons, 20.0);
+  std::vector<BeaconId> silent;
+  for (int k = 0; k < places; ++k) {
+    const int phase = k % 20;
+    const Eigen::Vector3d p(phase < 10 ? 2.0 * phase : 40.0 - 2.0 * phase, 5.0, 0.0);
+    for (int b = 0; b < 4; ++b)
+      if ((p - beacons[static_cast<std::size_t>(b)]).norm() < 12.0 && (b != dead || k < dies_at))
+        watch.receive(BeaconId(b));
+    if (const auto found = watch.leave_place(p, k)) silent.push_back(*found);
+  }
+  return silent;
+}
+
+TEST(Reception, ABeaconOutOfReachIsNotSilent) { EXPECT_TRUE(silent_beacons(400, -1, 0).empty()); }
+
+TEST(Reception, ABeaconThatDiesIsReportedOnce) {
+  EXPECT_EQ(silent_beacons(100, 2, 45), std::vector<BeaconId>{BeaconId(2)});
+}
+
+TEST(Reception, ABeaconThatIsDeadFromTheStartIsReportedToo) {
+  EXPECT_EQ(silent_beacons(100, 1, 0), std::vector<BeaconId>{BeaconId(1)});
+}
+
+}  // namespace
+}  // namespace octant
