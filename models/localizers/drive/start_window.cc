@@ -26,9 +26,9 @@ constexpr double kLeastProfileSpan = 2e-4;  ///< of the speed
 constexpr double kInflation = 4.0;
 
 /// Squares of all residuals at an offset of the speed, with its prior.
-class SpeedProfile {
+class MisfitBySpeed {
  public:
-  SpeedProfile(Trajectory& t, const Segment& window, EpochFixModel& model, double sigma_mps)
+  MisfitBySpeed(Trajectory& t, const Segment& window, EpochFixModel& model, double sigma_mps)
       : t_(t),
         window_(window),
         model_(model),
@@ -146,7 +146,7 @@ double range_sigma_of_speed_m(const Trajectory& t, const Segment& window, const 
 }
 
 StartSpeed fit_start_speed(Trajectory& t, const Segment& window, EpochFixModel& model, double sigma_mps) {
-  SpeedProfile profile(t, window, model, sigma_mps);
+  MisfitBySpeed profile(t, window, model, sigma_mps);
   const double range_m = range_sigma_of_speed_m(t, window, model, sigma_mps);
   double offset_mps = 0.0, information = profile.prior(), span_mps = 0.0;
   for (const double room : kSpeedRooms) {
