@@ -34,6 +34,9 @@ class ChainReduction {
                  const std::vector<std::size_t>& segments)
       : paths_(trajectory, layout, segments) {}
 
+  /// Paths that some arrival of the segments took.
+  [[nodiscard]] const std::vector<PathColumns>& paths() const { return paths_.paths(); }
+
   /// Adds gradient and lower triangle of H at the present states of the trajectory.
   /// @param place  position of each column of the layout in the system, ascending; -1: not in it
   /// @return 1/2 sum of rho, minus the remaining gain of a step of the states:
