@@ -11,7 +11,6 @@
 #include "models/support/parallel.h"
 #include "models/trajectory/chain_solver.h"
 #include "models/trajectory/linearise.h"
-#include "models/trajectory/node_step.h"
 #include "models/trajectory/planar.h"
 #include "models/trajectory/spatial.h"
 #include "models/trajectory/stretches.h"

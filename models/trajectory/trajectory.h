@@ -13,6 +13,7 @@
 #include <Eigen/Core>
 
 #include "models/fix.h"
+#include "models/physics/pose.h"
 #include "models/run.h"
 #include "models/site.h"
 #include "models/trajectory/shared_state.h"
@@ -213,6 +214,17 @@ void reserve_epoch(Trajectory& trajectory, std::size_t arrivals, std::size_t bea
 /// false outside the measured time span.
 [[nodiscard]] bool interpolate_poses(const std::vector<TimedPose>& poses, double time_s, double max_gap_s,
                                      Pose& T_map_vehicle);
+
+/// Moves a state by a step in its unknowns (Trajectory::block_size() of them): pose in its own frame, then
+/// cycle offset [m, at the medium's nominal speed] or velocity.
+/// @param like  a trajectory with states of the same kind
+template <class Step>
+void step_node(const Trajectory& like, const Step& step, Node& node) {
+  const int dof = pose_dof(like.motion);
+  node.T_map_vehicle = retract(node.T_map_vehicle, step.head(dof), like.motion);
+  if (like.has_cycle_offset) node.cycle_offset_s += step[dof] / like.nominal_speed_mps;
+  if (like.motion_prior) node.velocity += step.template tail<3>();
+}
 
 /// Robust loss of an arrival's residual: Cauchy's loss with separate scales for late and early arrivals, in
 /// sigmas. Sound never arrives early, so late outliers are down-weighted sooner.

@@ -12,7 +12,6 @@
 #include "calib/stream/side_by_side.h"
 #include "calib/sums/over_ranks.h"
 #include "models/trajectory/make_trajectory.h"
-#include "models/trajectory/node_step.h"
 #include "models/trajectory/odometry_path.h"
 #include "models/trajectory/solve_states.h"
 #include "models/trajectory/stretches.h"

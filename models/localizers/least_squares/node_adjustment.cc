@@ -8,7 +8,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "models/trajectory/node_step.h"
+#include "models/trajectory/trajectory.h"
 #include "models/trajectory/planar.h"
 
 namespace octant {

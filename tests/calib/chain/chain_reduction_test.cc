@@ -14,7 +14,6 @@
 #include "calib/problem/shared_entries.h"
 #include "calib/stream/drives/end_chain.h"
 #include "models/trajectory/linearise.h"
-#include "models/trajectory/node_step.h"
 #include "models/trajectory/solve_states.h"
 #include "models/trajectory/stretches.h"
 #include "tests/support/worlds.h"
