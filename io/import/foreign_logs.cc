@@ -79,7 +79,7 @@ class CarmenLine {
   std::optional<Error> error_;
 };
 
-struct OdometryPose {
+struct CarmenPose {
   double x_m = 0.0, y_m = 0.0, heading_rad = 0.0;
 };
 
@@ -121,7 +121,7 @@ class CarmenReader {
 
   /// ODOM x y theta tv rv accel ipc_time host logger_time
   void odometry(CarmenLine& words) {
-    OdometryPose pose;
+    CarmenPose pose;
     double skipped = 0.0, time_s = 0.0;
     if (!read_pose(words, pose)) return;
     for (const char* what : {"tv", "rv", "accel"})
@@ -136,7 +136,7 @@ class CarmenReader {
     const auto beams = static_cast<double>(scan.range_m.size());
     scan.angle_min_rad = -std::numbers::pi / 2;
     scan.angle_increment_rad = std::numbers::pi / (scan.range_m.size() % 2 == 1 ? beams - 1 : beams);
-    OdometryPose laser, robot;
+    CarmenPose laser, robot;
     if (!read_pose(words, laser) || !read_pose(words, robot) || !read_time(words, scan.time_s)) return;
     take(std::move(scan), robot);
   }
@@ -158,7 +158,7 @@ class CarmenReader {
     if (!words.count("the number of remissions", remissions)) return;
     for (std::size_t i = 0; i < remissions; ++i)
       if (!words.number("a remission", skipped)) return;
-    OdometryPose laser, robot;
+    CarmenPose laser, robot;
     if (!read_pose(words, laser) || !read_pose(words, robot)) return;
     for (const char* what : {"tv", "rv", "forward_safety_dist", "side_safety_dist", "turn_axis"})
       if (!words.number(what, skipped)) return;
@@ -176,7 +176,7 @@ class CarmenReader {
     return true;
   }
 
-  static bool read_pose(CarmenLine& words, OdometryPose& pose) {
+  static bool read_pose(CarmenLine& words, CarmenPose& pose) {
     return words.number("x", pose.x_m) && words.number("y", pose.y_m) &&
            words.number("theta", pose.heading_rad);
   }
@@ -187,13 +187,13 @@ class CarmenReader {
     return words.number("the logger's time", time_s);
   }
 
-  void take(Scan scan, const OdometryPose& robot) {
+  void take(Scan scan, const CarmenPose& robot) {
     if (!moved(scan.time_s, robot)) return;
     log_.scans.push_back(std::move(scan));
   }
 
   /// Adds the pose of the odometry at a time; false if the time precedes that of an earlier line.
-  bool moved(double time_s, const OdometryPose& now) {
+  bool moved(double time_s, const CarmenPose& now) {
     if (!log_.odometry.empty() && time_s < log_.odometry.back().time_s) {
       ++backwards_;
       return false;
@@ -215,7 +215,7 @@ class CarmenReader {
   }
 
   MeasurementLog log_;
-  OdometryPose before_;
+  CarmenPose before_;
   std::map<std::string, std::size_t> passed_over_;
   std::size_t backwards_ = 0;
 };
