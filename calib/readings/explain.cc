@@ -162,7 +162,7 @@ void search(const Problem& problem, const Problem& adjusted, Solution& solution,
   const bool misread = seems_misread(adjusted, solution);
   if (!misread && solution.contradictions.empty() && !do_poses_tumble(problem.runs)) return;
   std::vector<Contradiction> found;
-  diagnose_within_budget(options, solution, [&](const SolveOptions& limited) {
+  diagnose_within_budget(options, solution, 1.0, [&](const SolveOptions& limited) {
     found = misread ? find_misreadings(problem, solution, limited)
                     : find_other_culprits(problem, solution, limited);
   });

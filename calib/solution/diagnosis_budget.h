@@ -18,13 +18,14 @@ namespace octant::calib {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Bounds one step of a diagnosis by the time that is left of three times the time of the fit and 5 s. The
-/// step's time counts when the object goes out of scope.
+/// Bounds one step of a diagnosis by the time that is left of three times the time of the fit and 10 s, or of a
+/// share of that. The step's time counts when the object goes out of scope.
 class DiagnosisBudget {
  public:
-  /// Both outlive it.
-  DiagnosisBudget(const SolveOptions& options, Diagnosis& diagnosis)
-      : diagnosis_(diagnosis), options_(options) {
+  /// Options and diagnosis outlive it.
+  /// @param share  of the whole time that all steps up to the end of this one may take
+  DiagnosisBudget(const SolveOptions& options, Diagnosis& diagnosis, double share)
+      : diagnosis_(diagnosis), options_(options), share_(share) {
     options_.ranks = nullptr;  // every rank diagnoses on its own
     options_.on_progress = [this, &options](const Progress&) {
       const bool goes_on =
@@ -42,23 +43,25 @@ class DiagnosisBudget {
   [[nodiscard]] const SolveOptions& options() const { return options_; }
 
  private:
-  static constexpr double kTimesOfFit = 3.0, kAlways_s = 5.0;
+  static constexpr double kTimesOfFit = 3.0, kAlways_s = 10.0;
 
   [[nodiscard]] double passed_s() const { return thread_time_s() - began_s_; }
   [[nodiscard]] double left_s() const {
-    return kTimesOfFit * diagnosis_.fit_s + kAlways_s - diagnosis_.spent_s - passed_s();
+    return share_ * (kTimesOfFit * diagnosis_.fit_s + kAlways_s) - diagnosis_.spent_s - passed_s();
   }
 
   Diagnosis& diagnosis_;
   SolveOptions options_;
+  double share_;
   double began_s_ = thread_time_s();
 };
 
 /// Runs one step of the diagnosis of a complete solution: work(options). A fault of the diagnosis leaves the
 /// solution as it is.
+/// @param share  of the whole time that all steps up to the end of this one may take
 template <class Work>
-void diagnose_within_budget(const SolveOptions& options, Solution& solution, Work&& work) {
-  const DiagnosisBudget budget(options, solution.diagnosis);
+void diagnose_within_budget(const SolveOptions& options, Solution& solution, double share, Work&& work) {
+  const DiagnosisBudget budget(options, solution.diagnosis, share);
   try {
     work(budget.options());
   } catch (const std::exception& fault) {

@@ -128,7 +128,9 @@ void diagnose(const Problem& problem, const SolveOptions& options, const Estimat
               const Conclusion& concluded, Solution& solution) {
   const bool is_tested =
       solution.status == SolveStatus::kConverged || is_refused_for_misfit(solution, estimate);
-  diagnose_within_budget(options, solution, [&](const SolveOptions& limited) {
+  // The other half is for gross faults (readings/), which look like many false statements.
+  constexpr double kShareOfStatements = 0.5;
+  diagnose_within_budget(options, solution, kShareOfStatements, [&](const SolveOptions& limited) {
     if (is_tested && !is_bent_by_a_clock(problem, solution))
       contradict(problem, limited, estimate, concluded.growth, solution);
   });
