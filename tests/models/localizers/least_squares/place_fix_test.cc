@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 
 #include "models/localizers/common/open_attitude.h"
+#include "models/localizers/least_squares/epoch_fix.h"
 #include "models/simulator/random.h"
 
 namespace octant {

@@ -9,6 +9,7 @@
 
 #include "models/localizers/common/trajectory_model.h"
 #include "models/localizers/least_squares/epoch_fix.h"
+#include "models/localizers/start/stretch_states.h"
 #include "models/trajectory/make_trajectory.h"
 #include "models/trajectory/stretches.h"
 #include "tests/models/localizers/drive_world.h"

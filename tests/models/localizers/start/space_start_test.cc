@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 
 #include "models/localizers/common/trajectory_model.h"
+#include "models/localizers/drive/tracker.h"
 #include "models/localizers/methods.h"
 #include "models/simulator/random.h"
 #include "tests/support/statistics.h"
