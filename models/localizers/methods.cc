@@ -18,7 +18,7 @@
 #include "models/localizers/rail/rail.h"
 #include "models/localizers/reflectors/reflectors.h"
 #include "models/localizers/space/space_track.h"
-#include "models/trajectory/ray_speeds.h"
+#include "models/localizers/speed/one_speed.h"
 
 namespace octant {
 namespace {
@@ -207,14 +207,15 @@ std::vector<Fix> locate_at_one_speed(Method method, const Deployment& deployment
 Result<std::vector<Fix>> locate_run(Method method, const Deployment& deployment,
                                     const MeasurementLog& all_rows, const MethodInput& input) {
   // Each round brings the fixes nearer by a factor of about a hundred (ray_speeds.h).
-  constexpr int kRayRounds = 2;
+  constexpr int kRayRounds = 3;
   MeasurementLog room;
   const MeasurementLog& run = known_rows(all_rows, deployment, room);
   if (method == Method::kAuto) method = choose_method(deployment, run, input).method;
   if (auto fits = method_fits(method, deployment, run, input); !fits) return fail(fits.error());
-  std::vector<Fix> fixes = locate_at_one_speed(method, deployment, run, input);
-  if (deployment.medium.profile == nullptr || run.arrivals.empty()) return fixes;
+  if (deployment.medium.profile == nullptr || run.arrivals.empty())
+    return locate_at_one_speed(method, deployment, run, input);
   MeasurementLog changed = run;
+  std::vector<Fix> fixes;
   for (int round = 0; round < kRayRounds; ++round) {
     changed.arrivals = at_one_speed(run.arrivals, fixes, deployment);
     fixes = locate_at_one_speed(method, deployment, changed, input);

@@ -1,17 +1,19 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "models/trajectory/ray_speeds.h"
+#include "models/localizers/speed/one_speed.h"
 
 #include <memory>
 
 #include <gtest/gtest.h>
 
 #include "models/localizers/methods.h"
+#include "models/trajectory/ray_speeds.h"
 
 namespace octant {
 namespace {
 
-/// Four transponders on the sea floor, a ship with one transducer, and a sea whose speed changes with depth.
+/// Six transponders on a slope of the sea floor, a ship with one transducer, and a sea whose speed changes
+/// with depth.
 Deployment sea() {
   Deployment d;
   d.motion = Motion::kSpatial;
@@ -20,8 +22,8 @@ Deployment sea() {
   d.medium.speed_mps = d.medium.profile->mean_speed_mps(-2700, 0);
   d.speed_offset_mps = 0.4;
   d.noise.tof_sigma_s = 5e-5;
-  const double places_m[4][3] = {
-      {1000, 990, -2740}, {-960, 940, -2680}, {-980, -970, -2590}, {940, -980, -2610}};
+  const double places_m[6][3] = {{1000, 990, -2740}, {-960, 940, -2680}, {-980, -970, -2590},
+                                 {940, -980, -2610}, {-200, 150, -1900}, {1500, -700, -1400}};
   for (const auto& p : places_m) {
     DeploymentBeacon b;
     b.name = "M" + std::to_string(d.beacons.size() + 1);
@@ -73,10 +75,14 @@ TEST(RaySpeeds, ArrivalsAtOneSpeedLieOnStraightPaths) {
   }
 }
 
-TEST(RaySpeeds, ArrivalsWithoutAFixStayAsTheyAre) {
+TEST(RaySpeeds, WithoutAFixTheVehicleIsTakenToBeAtTheSurface) {
   const Deployment d = sea();
-  const std::vector<Arrival> arrivals = arrivals_at(d, {300, -200, 0}, 4);
-  EXPECT_EQ(at_one_speed(arrivals, {}, d).front().tof_s, arrivals.front().tof_s);
+  // The transducer is at the surface, so the distance alone gives the path.
+  const std::vector<Arrival> arrivals = arrivals_at(d, {300, -200, 3}, 4);
+  for (const Arrival& a : at_one_speed(arrivals, {}, d)) {
+    const double path_m = (Eigen::Vector3d(300, -200, 0) - d.beacons[a.beacon.index()].position_m).norm();
+    EXPECT_NEAR(a.tof_s * (d.medium.speed_mps + d.speed_offset_mps), path_m, 0.05);
+  }
 }
 
 TEST(RaySpeeds, OfATrajectoryAreThoseOfItsRays) {
@@ -112,7 +118,7 @@ TEST(RaySpeeds, FixesFollowTheRays) {
   ASSERT_TRUE(fixes) << fixes.error().message();
   ASSERT_EQ(fixes->size(), 3u);
   for (const Fix& fix : *fixes) {
-    ASSERT_TRUE(fix.ok());
+    ASSERT_TRUE(fix.ok()) << static_cast<int>(fix.status);
     const Eigen::Vector3d truth_m(100.0 * static_cast<double>(fix.epoch), -200, 1.5);
     EXPECT_LT((fix.T_map_vehicle.translation_m - truth_m).head<2>().norm(), 0.01);
   }
