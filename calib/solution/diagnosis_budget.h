@@ -18,8 +18,8 @@ namespace octant::calib {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Bounds one step of a diagnosis by the time that is left of three times the time of the fit and 10 s, or of a
-/// share of that. The step's time counts when the object goes out of scope.
+/// Bounds one step of a diagnosis by the time that is left of three times the time of the fit and 10 s, or of
+/// a share of that. The step's time counts when the object goes out of scope.
 class DiagnosisBudget {
  public:
   /// Options and diagnosis outlive it.

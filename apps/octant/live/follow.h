@@ -20,7 +20,7 @@ struct FollowArgs {
   double north_deg = 90.0;      ///< direction of north in the map, counter-clockwise from +x
   bool watch = false;
   double lateness_s = 0.2;  ///< rows may come in any order within it
-  std::string odometry;  ///< run.yaml, or a folder with one: how good the odometry is
+  std::string odometry;     ///< run.yaml, or a folder with one: how good the odometry is
 };
 void add_follow_options(CLI::App& command, FollowArgs& args);
 

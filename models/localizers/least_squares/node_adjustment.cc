@@ -8,8 +8,8 @@
 
 #include <Eigen/Cholesky>
 
-#include "models/trajectory/trajectory.h"
 #include "models/trajectory/planar.h"
+#include "models/trajectory/trajectory.h"
 
 namespace octant {
 namespace {

@@ -22,7 +22,8 @@ class Search : public ::testing::Test {
   Search() : random_(4711, 0), P_(Eigen::MatrixXd::Zero(kSize, kSize)), N_(P_) {
     for (std::size_t i = 0; i < kOwners; ++i) {
       const int first = 4 * static_cast<int>(i);
-      hypotheses_.push_back({ChangeKind::kBeaconMoved, i, {first, first + 1, first + 2}, {kWide, kWide, kWide}});
+      hypotheses_.push_back(
+          {ChangeKind::kBeaconMoved, i, {first, first + 1, first + 2}, {kWide, kWide, kWide}});
       hypotheses_.push_back({ChangeKind::kDelay, i, {first + 3}, {kWide}});
     }
     const Eigen::MatrixXd A = matrix(3 * kSize, kSize), K = matrix(kSize, kSize);
@@ -136,9 +137,9 @@ TEST_F(Search, ChangesAreBoundedByTheirPriors) {
 /// One that was taken first, for want of a better one, is given up when others explain it.
 TEST_F(Search, GivesUpWhatOthersExplain) {
   // A sum of two changes that a third hypothesis explains almost as well as both together.
-  std::vector<ChangeHypothesis> hypotheses = {
-      {ChangeKind::kDelay, 0, {0}, {kWide}}, {ChangeKind::kDelay, 1, {1}, {kWide}},
-      {ChangeKind::kDelay, 2, {2}, {kWide}}};
+  std::vector<ChangeHypothesis> hypotheses = {{ChangeKind::kDelay, 0, {0}, {kWide}},
+                                              {ChangeKind::kDelay, 1, {1}, {kWide}},
+                                              {ChangeKind::kDelay, 2, {2}, {kWide}}};
   Innovation innovation{Eigen::MatrixXd::Zero(3, 3), Eigen::Vector3d(10, 10, 8), 3};
   innovation.B << 1, 0, 1, 0, 1, 1, 0.8, 0, 0;
   EXPECT_EQ(search_changes(innovation, hypotheses).held(), (std::vector<std::size_t>{0, 1}));

@@ -145,8 +145,7 @@ TEST(ReportChanges, TellWhatIsSilentAndWhatAllDelaysShare) {
   const auto steps = next_steps(input);
   EXPECT_THAT(steps, Contains("Look at B4 on site: 120 arrivals were expected, and 0 received."));
   EXPECT_THAT(
-      steps,
-      Contains("Look at robot/r2 on site: 300 arrivals were expected from 61 s on, and 12 received."));
+      steps, Contains("Look at robot/r2 on site: 300 arrivals were expected from 61 s on, and 12 received."));
   EXPECT_THAT(steps, Contains(HasSubstr("the vehicle's electronics")));
   EXPECT_THAT(steps, Not(Contains(HasSubstr("B1")))) << "each beacon is as it was";
 }
