@@ -18,8 +18,9 @@ namespace octant::calib {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Bounds one step of a diagnosis by the time that is left of three times the time of the fit and 10 s, or of
-/// a share of that. The step's time counts when the object goes out of scope.
+/// Bounds one step of a diagnosis by the time that is left of three times the time of the fit and
+/// SolveOptions::diagnosis_s, or of a share of that. The step's time counts when the object goes out of
+/// scope.
 class DiagnosisBudget {
  public:
   /// Options and diagnosis outlive it.
@@ -43,11 +44,11 @@ class DiagnosisBudget {
   [[nodiscard]] const SolveOptions& options() const { return options_; }
 
  private:
-  static constexpr double kTimesOfFit = 3.0, kAlways_s = 10.0;
+  static constexpr double kTimesOfFit = 3.0;
 
   [[nodiscard]] double passed_s() const { return thread_time_s() - began_s_; }
   [[nodiscard]] double left_s() const {
-    return share_ * (kTimesOfFit * diagnosis_.fit_s + kAlways_s) - diagnosis_.spent_s - passed_s();
+    return share_ * (kTimesOfFit * diagnosis_.fit_s + options_.diagnosis_s) - diagnosis_.spent_s - passed_s();
   }
 
   Diagnosis& diagnosis_;

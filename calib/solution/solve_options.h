@@ -26,8 +26,11 @@ struct SolveOptions {
   double rejection_sigmas = 4.0;  ///< arrivals beyond this many sigmas are left out in the end
   int dense_limit = kDenseLimit;  ///< beyond so many shared parameters matrices are sparse
   bool strict = false;            ///< a single undetermined beacon refuses the whole
+  /// Processor time of a diagnosis beyond three times that of the fit [s]. Infinite: all hypotheses are
+  /// examined, and the findings do not depend on the speed of the machine.
+  double diagnosis_s = 10.0;
   /// Called between iterations; returning false stops with SolveStatus::kInterrupted.
-  std::function<bool(const Progress&)> on_progress;
+  std::function<bool(const Progress&)> on_progress = {};
 
   [[nodiscard]] Workers workers() const { return {threads, ranks}; }
   /// Whether the caller wants no more work.

@@ -23,7 +23,7 @@ constexpr std::array<std::array<double, 3>, 8> kPlaces_m = {
     {{0, 0, 2.5}, {8, 0, 2.3}, {8, 6, 2.6}, {0, 6, 2.4}, {4, 0, 2.5}, {4, 6, 2.2}, {0, 3, 2.5}, {8, 3, 2.4}}};
 
 void choose_medium(Bytes& in, Site& site) {
-  static constexpr std::array<Medium, 6> kMedia = {
+  static const std::array<Medium, 6> kMedia = {
       {{.model = MediumModel::kCramer1993},
        {.model = MediumModel::kConstant, .speed_mps = 343.0},
        {.model = MediumModel::kConstant, .speed_mps = 1500.0},

@@ -216,7 +216,7 @@ TEST(Readings, NameTwoWayTimesInPlaceOfASpeedThatBentToThem) {
   for (Arrival& a : world.run.arrivals) a.tof_s *= 2;
   const calib::Problem problem = problem_of(world);
   calib::Solution solution = calib::solve(problem);
-  calib::explain(problem, problem, solution, {});
+  calib::explain(problem, problem, solution, {.diagnosis_s = INFINITY});
   ASSERT_EQ(solution.contradictions.size(), 1U);
   EXPECT_EQ(solution.contradictions[0].kind, ContradictionKind::kRanging);
 }
@@ -380,7 +380,7 @@ TEST(Explain, PutsTheCulpritInPlaceOfAMeasurementThatWouldNotHelp) {
   const calib::Problem problem = problem_of(in_another_unit(cart(), 100.0, false));
   calib::Solution solution = calib::solve(problem);
   ASSERT_EQ(solution.status, calib::SolveStatus::kUndetermined);
-  calib::explain(problem, problem, solution, {});
+  calib::explain(problem, problem, solution, {.diagnosis_s = INFINITY});
   ASSERT_EQ(solution.contradictions.size(), 1U);
   EXPECT_THAT(solution.message, ::testing::Not(HasSubstr("approximate positions")));
   EXPECT_THAT(solution.weak, IsEmpty());
