@@ -61,7 +61,7 @@ TEST(RunPoints, SayWhatIsWrongAndWhere) {
   expect_error(points("epoch,x_m,y_m\n7,1e160,2\n"), 2, "x_m is '1e160'; expected metres", "points.csv");
   expect_error(points("epoch,x_m,y_m,heading_rad\n7,1,2,90\n"), 2, "heading_rad is 90", "points.csv");
   expect_error(read_with("time_s,beacon,tof_s\n1,B0,0.01\n", "points.csv", "epoch,x_m,y_m\n7,1,2\n"), 0,
-               "without any", "points.csv");
+               "rows without epochs", "points.csv");
   const auto unheard = read_with(kStops, "points.csv", "epoch,x_m,y_m\n7,1,2\n12,1,2\n").value();
   ASSERT_EQ(unheard.warnings.size(), 1u);
   EXPECT_THAT(unheard.warnings[0], HasSubstr("points.csv:3"));

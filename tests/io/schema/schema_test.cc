@@ -142,7 +142,7 @@ TEST(Schema, OfAFileAloneHasItsColumnsAndNoKeys) {
 TEST(Schema, APageHasARowForEachKeyAndColumn) {
   const std::string site = schema_page("site"), run = schema_page("run");
   EXPECT_THAT(site,
-              testing::HasSubstr("| `timing.delay_sigma_s` | s | 0 | `0.0002` | how far a delay may be"));
+              testing::HasSubstr("| `timing.delay_sigma_s` | s | 0 | `0.0002` | standard deviation of the prior of a delay"));
   EXPECT_THAT(site, testing::HasSubstr("| `motion` |  | required |"));
   for (const char* row : {"## odometry.csv", "| `dx_m` | m | required |", "| `range0_m, range1_m, ...` | m |",
                           "## truth.csv", "| `qx qy qz qw` |", "| `amplitude_v` | V |  | `1.8` |"})

@@ -45,7 +45,7 @@ TEST(YamlNode, SaysWhatIsNoDocument) {
   expect_error(parse_yaml("~", "a"), 0, "empty");
   expect_error(parse_yaml("a: 1\n---\n*a", "a"), 3, "second document");
   expect_error(parse_yaml("a: 1\n---\nb", "a"), 3, "second document");
-  expect_error(parse_yaml("a: *b\n", "a"), 1, "nothing is named");
+  expect_error(parse_yaml("a: *b\n", "a"), 1, "which is not defined");
   expect_error(parse_yaml("a: &a [*a]\n", "a"), 1, "within it");
   expect_error(parse_yaml("a: \"\\q\"\n", "a"), 1, "not YAML: found unknown escape character");
   expect_error(parse_yaml("a: [1, 2\nb: 3\n", "a"), 2, "not YAML");
