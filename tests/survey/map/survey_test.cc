@@ -342,7 +342,6 @@ TEST(Survey, OutlineWithoutAScene) {
   deployment.validity_area_m = {{1, 1}, {5, 1}, {5, 4}};
   EXPECT_EQ(must(make_survey_model(deployment, {})).floor_m.size(), 3u);
 }
-
 TEST(Survey, BadScenesNameTheElement) {
   const auto error_of = [](auto change, const char* expected) {
     Scene scene = small_scene();
