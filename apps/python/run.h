@@ -13,7 +13,7 @@ struct Run {
   NameTable names;
 };
 
-/// Whether numbers of beacons, vehicles and receivers stand for the same names in both.
+/// Returns true if the ids of beacons, vehicles and receivers have the same names in both tables.
 [[nodiscard]] bool same_names(const NameTable& a, const NameTable& b);
 
 }  // namespace octant::python

@@ -13,7 +13,7 @@ namespace octant::calib {
 
 /// Measured poses in a left-handed frame, as other programs write them: y or x the other way round, x and y
 /// exchanged (north, east, down), headings clockwise; their quaternions in another order, where they tumble.
-/// None where there are no poses.
+/// Returns an empty list for recordings without measured poses.
 [[nodiscard]] std::vector<Reading> other_pose_frames(const std::vector<MeasurementLog>& runs);
 /// Measured poses whose positions are in centimetres, millimetres, feet or inches.
 [[nodiscard]] std::vector<Reading> other_pose_units(const std::vector<MeasurementLog>& runs);

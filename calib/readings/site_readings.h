@@ -36,7 +36,8 @@ namespace octant::calib {
 /// left from right, a mirrored map and mirrored receivers are one and the same to the ranges.
 [[nodiscard]] std::vector<Reading> other_site_frames(const Site& site);
 
-/// Whether the site file has a place of each beacon: else those without one hide a wrong scale of the others.
+/// Returns true if the site file gives the position of each beacon. A beacon without one can absorb a wrong
+/// scale of the others.
 [[nodiscard]] bool are_all_placed(const Site& site);
 /// The site with what contradictions blame left open: control points, delays, receivers, the speed.
 [[nodiscard]] Site without_what_is_blamed(const Site& site, const std::vector<Contradiction>& blamed);

@@ -31,7 +31,7 @@ void for_each_judged(const std::vector<Trajectory>& trajectories, Visit&& visit)
 }
 
 bool is_of_receiver(const ChangeHypothesis& h) { return h.kind == ChangeKind::kReceiver; }
-/// Whether the hypothesis concerns a single beacon or receiver.
+/// Returns true if the hypothesis concerns a single beacon or receiver.
 bool has_owner(const ChangeHypothesis& h) {
   return h.kind != ChangeKind::kSpeed && h.kind != ChangeKind::kDatum && h.owner != kAllBeacons;
 }

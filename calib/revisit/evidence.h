@@ -25,8 +25,9 @@ namespace octant::calib {
 /// Truncated squares that a change of one hypothesis could explain at most.
 [[nodiscard]] double possible_gain(const Fit& fit, const ChangeHypothesis& hypothesis, double limit);
 
-/// Whether a change of a beacon or receiver is supported by more than one stop (or second of a drive): an
-/// echo at one stop looks like a change. The best stop is left out of the squares that the change explains.
+/// Returns true if more than one stop (or second of a drive) supports a change of a beacon or receiver. An
+/// echo at a single stop looks like a change. The best stop is left out of the squares that the change
+/// explains.
 [[nodiscard]] bool is_supported(const Fit& fit, const Deployment& before, const ChangeHypothesis& hypothesis,
                                 double limit);
 
