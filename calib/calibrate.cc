@@ -3,7 +3,9 @@
 #include "calib/calibrate.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "calib/readings/explain.h"
 #include "calib/statements/hints.h"
@@ -42,14 +44,18 @@ Solution solve_with_rays(Problem& problem, const SolveOptions& options) {
   return solution;
 }
 
-/// The steps after the adjustment.
-Calibration finish(Calibration calibration, const CalibrationOptions& options) {
+/// The steps after the adjustment. `logs`: the recordings, whose digests the deployment gets.
+Calibration finish(Calibration calibration, std::span<const MeasurementLog* const> logs,
+                   const CalibrationOptions& options) {
   Solution& solution = calibration.solution;
   explain(calibration.problem, calibration.problem, solution, options.solve);
   if (solution.contradictions.empty())
     add(outcome_hints(calibration.problem, solution), options, calibration);
+  calibration.provenance = options.provenance;
+  for (const MeasurementLog* log : logs)
+    for (const auto& [path, sha256] : log->sha256) calibration.provenance.inputs.push_back({path, sha256});
   if (solution.status == SolveStatus::kConverged)
-    calibration.deployment = make_deployment(calibration.problem, solution, options.provenance);
+    calibration.deployment = make_deployment(calibration.problem, solution, calibration.provenance);
   return calibration;
 }
 
@@ -63,7 +69,9 @@ Result<Calibration> calibrate(Site site, std::vector<MeasurementLog> runs,
   if (!problem) return fail(problem.error());
   calibration.problem = std::move(*problem);
   calibration.solution = solve_with_rays(calibration.problem, options.solve);
-  return finish(std::move(calibration), options);
+  std::vector<const MeasurementLog*> logs;
+  for (const MeasurementLog& run : calibration.problem.runs) logs.push_back(&run);
+  return finish(std::move(calibration), logs, options);
 }
 
 Result<Calibration> calibrate(const Site& site, ArrivalSource& source, const CalibrationOptions& options) {
@@ -75,7 +83,9 @@ Result<Calibration> calibrate(const Site& site, ArrivalSource& source, const Cal
   // The runs are those of the whole log, or an evenly spread part of it.
   const auto& totals = calibration.solution.totals;
   add(log_hints(site, calibration.problem.runs, !totals || totals->stride == 1), options, calibration);
-  return finish(std::move(calibration), options);
+  std::vector<const MeasurementLog*> logs;
+  for (std::size_t run = 0; run < source.runs(); ++run) logs.push_back(&source.log(run));
+  return finish(std::move(calibration), logs, options);
 }
 
 }  // namespace octant::calib

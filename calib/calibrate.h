@@ -39,12 +39,13 @@ struct Calibration {
   Problem problem;                       ///< site and recordings; of a streamed log those that were sampled
   Solution solution;                     ///< estimate, errors, verdict, contradictions
   std::vector<Finding> findings;         ///< what recordings and outcome show beside the contradictions
+  Provenance provenance;                 ///< that of the options, with the digests of the recordings
   std::optional<Deployment> deployment;  ///< of a solution with status kConverged
 };
 
 struct CalibrationOptions {
   SolveOptions solve;
-  Provenance provenance;
+  Provenance provenance;                                ///< without the recordings
   std::size_t memory_bytes = std::size_t{1500} << 20U;  ///< bound of a log that is streamed
   /// Called with each finding as soon as it is known, so that findings are known where an error ends the
   /// calibration.

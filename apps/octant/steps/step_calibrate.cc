@@ -49,15 +49,14 @@ survey::LeftOutCause cause_of(Rejection reason) {
   }
 }
 
+/// The calibration adds the digests of the recordings.
 calib::Provenance provenance(const std::string& site_path, const std::string& site_sha256,
-                             const std::vector<const MeasurementLog*>& runs, const Session& session) {
+                             const Session& session) {
   calib::Provenance from;
   from.created = created_now();
   from.version = OCTANT_VERSION;
   from.command = session.command_line;
   from.inputs.push_back({site_path, site_sha256});
-  for (const MeasurementLog* run : runs)
-    for (const auto& [path, sha256] : run->sha256) from.inputs.push_back({path, sha256});
   return from;
 }
 
@@ -68,12 +67,12 @@ Calibration calibrated(calib::Provenance from, const CalibrateOptions& how, Sess
   ProgressReporter reporter(progress_style(session.options.progress, session.options.quiet));
   calib::CalibrationOptions options{
       .solve = solve_options(session, reporter),
-      .provenance = from,
+      .provenance = std::move(from),
       .memory_bytes = how.memory_mb << 20U,
       .on_finding = [&session](const calib::Finding& f) { session.warn(f.text); }};
   options.solve.ranks = session.job != nullptr ? session.job->ranks() : nullptr;
   options.solve.strict = how.strict;
-  Calibration result{need(calibrate(options)), std::move(from), how.accept};
+  Calibration result{need(calibrate(options)), how.accept};
   session.warn(result.problem.warnings);
   session.warn(result.solution.warnings);
   stop_if_interrupted(result.solution.status == calib::SolveStatus::kInterrupted);
@@ -169,9 +168,7 @@ Json weak_json(const std::vector<calib::WeakDirection>& weak) {
 
 Calibration calibrate_runs(Site site, std::vector<MeasurementLog> runs, const std::string& site_sha256,
                            const CalibrateOptions& how, Session& session) {
-  std::vector<const MeasurementLog*> logs;
-  for (const MeasurementLog& run : runs) logs.push_back(&run);
-  return calibrated(provenance(site.path, site_sha256, logs, session), how, session,
+  return calibrated(provenance(site.path, site_sha256, session), how, session,
                     [&](const calib::CalibrationOptions& options) {
                       return calib::calibrate(std::move(site), std::move(runs), options);
                     });
@@ -184,7 +181,7 @@ Calibration calibrate_files(const std::string& site_path, const std::vector<std:
   session.warn(site.warnings);
   if (const auto source = too_long(site, run_paths, how.memory_mb, session))
     return calibrated(
-        provenance(site_path, sha256, source->logs(), session), how, session,
+        provenance(site_path, sha256, session), how, session,
         [&](const calib::CalibrationOptions& options) { return calib::calibrate(site, *source, options); });
   std::vector<MeasurementLog> runs = read_runs_at_once(run_paths, site, session);
   return calibrate_runs(std::move(site), std::move(runs), sha256, how, session);

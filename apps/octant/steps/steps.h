@@ -63,7 +63,6 @@ void write_world(const std::string& folder, const World& world, std::string_view
 
 /// A calibration with all that is said of it.
 struct Calibration : calib::Calibration {
-  calib::Provenance provenance;
   bool accepted = false;  ///< exported with a mark in spite of contradictions
   /// Returns true if the deployment is to be written.
   [[nodiscard]] bool exported() const { return deployment && (accepted || solution.contradictions.empty()); }

@@ -248,7 +248,7 @@ class Streams(unittest.TestCase):
     def test_what_runs_backwards_is_refused_until_it_is_a_clock_set_back(self):
         code, out, err = whole(STREAM + STREAM)
         self.assertEqual((code, len(fixes_of(out))), (0, 79), err)
-        self.assertIn("19 rows that run backwards in time", err)
+        self.assertIn("19 rows more than 0.2 s behind later ones", err)
         self.assertIn("began anew       1 times", err)
 
     def test_usage(self):

@@ -142,9 +142,9 @@ TEST(LeftOut, AreManyBeyondAboutAThird) {
   problem.runs.resize(2);
   for (MeasurementLog& run : problem.runs) run.arrivals.resize(100);
   calib::Solution solution;
-  solution.left_out.resize(70);
+  solution.left_out.resize(70, {.reason = Rejection::kLate});
   EXPECT_FALSE(calib::are_many_left_out(problem, solution));
-  solution.left_out.resize(71);
+  solution.left_out.resize(71, {.reason = Rejection::kLate});
   EXPECT_TRUE(calib::are_many_left_out(problem, solution));
   EXPECT_FALSE(calib::are_many_left_out(calib::Problem(), calib::Solution()));
 }
