@@ -17,28 +17,30 @@
 namespace octant::calib {
 namespace {
 
-/// Of a beacon's arrivals, where others lose a third of that at most.
+/// Share of a beacon's arrivals that must be rejected, and its least ratio to the share of the other beacons.
 constexpr double kManyLeftOut = 0.15, kBeyondOthers = 3.0;
 constexpr std::size_t kFewestLeftOut = 8;
-/// A beacon that moved may have been placed between both of its places, where few arrivals are left out.
+/// Lower limits for a beacon that may have moved: it may have been placed between its two positions, where
+/// few arrivals are rejected.
 constexpr double kSomeLeftOut = 0.08, kBeyondOthersIfMoved = 2.0;
-/// Early spurious arrivals exist, and are few.
+/// Share of early arrivals that spurious detections do not exceed.
 constexpr double kManyEarly = 0.10;
-/// Where more than this share of a beacon's arrivals is left out, and many of them early, it may as well be
-/// where those are direct.
+/// If more than this share of a beacon's arrivals is rejected, many of them early, the estimated position may
+/// be the one at which reflected arrivals appear direct.
 constexpr double kMostLeftOut = 0.5;
-/// A beacon is held to have moved at so many sigmas, fewer where most of what was left out comes back, and by
-/// this share of the tolerance.
+/// Significance from which a beacon is reported as moved (lower if most of the rejected arrivals agree
+/// again), and the least move as a share of the tolerance.
 constexpr double kMovedSigmas = 6.0, kMovedSigmasIfRegained = 4.0, kMovedMatters = 0.3;
 constexpr double kRegained = 0.5, kMostRegained = 0.8;
 constexpr std::size_t kMostSplit = 3;
-/// Of a receiver's arrivals, where the other receivers of all vehicles lose a third of that at most.
+/// Share of a receiver's arrivals that must be rejected; it must also exceed the usual share kBeyondOthers
+/// times.
 constexpr double kMostOfAReceiver = 0.5;
 constexpr std::size_t kFewestOfAReceiver = 20;
-/// All that is left out at one place is one event, and as few events are no contradiction.
+/// Rejections at one place count as one event. Fewer events than this are no contradiction.
 constexpr std::size_t kFewestPlaces = 5;
 
-/// Arrivals that were placed, of a beacon or at a receiver, and bearings of a beacon.
+/// Arrivals with a known pose, of one beacon or at one receiver, and the bearings of a beacon.
 struct HeardCounts : RejectionCounts {
   std::size_t placed = 0, bearings = 0, bearings_out = 0;
   explicit HeardCounts(const RejectionCounts& arrivals)
@@ -71,7 +73,7 @@ std::vector<HeardCounts> count_by_receiver(const Fit& fit) {
   return counts;
 }
 
-/// Median share of what is left out of each that was heard at all.
+/// Median share of rejected arrivals, over all beacons (or receivers) with arrivals.
 double usual_share(const std::vector<HeardCounts>& counts) {
   std::vector<double> shares;
   for (const HeardCounts& c : counts)
@@ -84,7 +86,7 @@ bool is_counted(const Trajectory& t, const ArrivalObservation& a) {
          a.rejection != Rejection::kNoPose;
 }
 
-/// Places of the vehicle at which a beacon was heard, was left out, and was early.
+/// Numbers of places of the vehicle at which a beacon was received, was rejected, and was early.
 struct Places {
   std::size_t heard = 0, left_out = 0, early = 0;
 };
@@ -154,8 +156,8 @@ class Checker {
     }
   }
 
-  /// The move that explains most. What is left out tells its time roughly, as the fit bends to both places;
-  /// the two places, once found, tell it well.
+  /// The move that explains most. The rejected arrivals determine its time only roughly, because the fit is a
+  /// compromise between both positions. Once the two positions are known, they determine the time well.
   [[nodiscard]] std::optional<Move> likeliest_move(std::size_t b) const {
     constexpr int kMostRounds = 4;
     std::optional<Move> best;
@@ -175,7 +177,7 @@ class Checker {
   bool moved(std::size_t b) {
     const std::optional<Move> best = likeliest_move(b);
     if (!best || best->by_m.norm() < kMovedMatters * tolerance_m(problem_)) return false;
-    // What was left out must come back, else the move is not what ails it.
+    // The rejected arrivals must agree after the move; otherwise it is not the cause.
     const double left_out = 0.5 * options_.rejection_sigmas * options_.rejection_sigmas *
                             static_cast<double>(counts_[b].outliers());
     const double regained = (fit_.cost - best->cost) / left_out;
@@ -233,8 +235,8 @@ class Checker {
                                                name)});
   }
 
-  /// Echoes and obstacles are of places and beacons: where one receiver alone does not fit, it is not what or
-  /// where it is said to be.
+  /// Echoes and obstacles depend on the place and the beacon. If the arrivals of a single receiver do not
+  /// agree, its type or its position is wrong.
   void receivers() {
     const std::vector<HeardCounts> counts = count_by_receiver(fit_);
     if (std::ranges::count_if(counts, [](const HeardCounts& c) { return c.placed > 0; }) < 2) return;

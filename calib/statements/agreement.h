@@ -11,24 +11,25 @@
 
 namespace octant::calib {
 
-/// Whether the recording agrees with itself.
+/// Inconsistencies within the recordings.
 struct Agreement {
   std::vector<Contradiction>
-      contradictions;  ///< a beacon that moved, whose arrivals come early, whose bearings fit nowhere
-  std::vector<std::string> warnings;  ///< beacons heard late at some places, stops that were none
+      contradictions;  ///< beacons that moved, that are early, or whose bearings disagree
+  /// Beacons that are late at some places, stops during which the vehicle moved
+  std::vector<std::string> warnings;
 };
 
-/// - A beacon that moved: its arrivals before and after some time are given places of their own; they differ
-/// beyond chance, by a length
-///   that matters, and more arrivals agree.
-/// - A beacon much of which comes early: no echo does.
-/// - A receiver most of whose arrivals are left out, where hardly any of the others are.
-/// - A beacon that is late much more often than the others: something stands in its way.
-/// - A stop during which the vehicle moved: two poses, one before and one after some time, explain what one
-/// cannot.
-/// @param fit  in which nothing that the data contradict is believed any more
-/// @param besides  what is contradicted already, which is not said again
-/// @param growth  of sigmas by errors that are correlated (error_model.h): a move has to be that much clearer
+/// Finds:
+/// - A beacon that moved. Its arrivals before and after some time get separate positions. These differ
+///   significantly and by a relevant length, and more arrivals agree.
+/// - A beacon with many early arrivals, which echoes cannot cause.
+/// - A receiver that loses most of its arrivals, while the others lose hardly any.
+/// - A beacon that is late much more often than the others, because of an obstacle.
+/// - A stop during which the vehicle moved. Two poses, before and after some time, explain what one pose
+///   cannot.
+/// @param fit  fit in which all contradicted assumptions are released
+/// @param besides  contradictions found already, which are not repeated
+/// @param growth  factor on sigmas due to correlated errors (error_model.h); a move must be that much clearer
 [[nodiscard]] Agreement agreement_of(const Problem& problem, const SolveOptions& options, const Fit& fit,
                                      const std::vector<Contradiction>& besides, double growth = 1.0);
 

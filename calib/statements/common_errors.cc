@@ -19,25 +19,26 @@ namespace {
 using Kind = CommonError::Kind;
 using Span = std::pair<double, double>;
 
-/// White noise shows hardly any of the many errors that are tested so clearly.
+/// Significance that white noise hardly ever reaches in any of the many errors that are tested.
 constexpr double kBeyondChance = 6.0;
-/// Looked at of a long recording.
+/// Maximum number of arrivals examined in a long recording.
 constexpr std::size_t kArrivalsExamined = 20'000;
-/// Times of a recording at which a jump is looked for.
+/// Number of times within a recording at which a jump is tested.
 constexpr Eigen::Index kJumps = 32;
-/// Measured poses, as many one after the other in each, between which a shift is looked for.
+/// Number of groups of equally many consecutive measured poses. Shifts are tested between groups.
 constexpr Eigen::Index kPoseGroups = 12;
-/// What is faster is no sound, whose speed hangs on the temperature.
+/// Signals faster than this are not sound, so their speed does not depend on the temperature.
 constexpr double kFasterThanSound_mps = 1e5;
 
-/// When the arrivals and the measured poses of a run came.
+/// Time span and boundaries of the arrivals and measured poses of a run.
 struct Times {
   Span span_s{INFINITY, -INFINITY};
-  std::vector<double> jump_s;   ///< as many arrivals between one and the next
-  std::vector<double> group_s;  ///< begins of groups of poses but the first's; empty: there are too few
+  std::vector<double> jump_s;  ///< boundaries between groups of equally many arrivals
+  /// Start times of the groups of poses except the first; empty if there are too few poses
+  std::vector<double> group_s;
 };
 
-/// Times at which a sorted list is cut into so many pieces of as many each, midway between two of them.
+/// Boundaries that split the sorted times into groups of equal size.
 std::vector<double> cuts(const std::vector<double>& sorted, Eigen::Index pieces) {
   std::vector<double> at;
   for (std::size_t j = 1; j < static_cast<std::size_t>(pieces); ++j) {
@@ -63,13 +64,14 @@ Times times_of(const std::vector<Trajectory>& trajectories) {
   return times;
 }
 
-/// Beside measured poses little hangs on odometry, and exact ones tell how the way between rows was bent.
+/// Odometry matters little if there are measured poses, and exact poses would determine the curvature of the
+/// path between odometry rows.
 bool is_led_by_odometry(const Trajectory& t) {
   return t.motion == Motion::kPlanar && t.poses.empty() && !t.odometry.empty();
 }
 
-/// The errors that are tested in a run, in order: odometry's way and turns, the medium's change, the clock's
-/// drift and its jumps; shifts of each group of measured poses by x, y, z, and how late these are stamped.
+/// Errors tested in a run, in column order: distance and turns of the odometry; change of the medium; drift
+/// and jumps of the clock; shifts of each group of measured poses in x, y, z; time lag of these poses.
 class Patterns {
  public:
   static constexpr Eigen::Index kOfOdometry = 2, kBesidePoses = kOfOdometry + 2 + kJumps,
@@ -93,10 +95,10 @@ class Patterns {
     return true;
   }
 
-  /// Speed of the vehicle by its measured poses, where these are of a drive.
+  /// Root-mean-square speed of the vehicle from its measured poses, if these belong to a drive.
   [[nodiscard]] double rms_speed_mps() const { return std::sqrt(speed2_sum_ / std::max(1.0, speeds_)); }
 
-  /// Of a column behind odometry's.
+  /// Error of a column behind those of odometry.
   [[nodiscard]] CommonError error_of(Eigen::Index column, std::size_t run) const {
     const Eigen::Index what = column - kOfOdometry;
     if (what < 2) return {.kind = what == 0 ? Kind::kSpeed : Kind::kDrift, .run = run};
@@ -104,7 +106,7 @@ class Patterns {
   }
 
  private:
-  /// Rows of a pose come one after the other, those of its place first.
+  /// Requires that the rows of a pose follow each other, position first.
   bool of_pose(const Trajectory& t, const ObservationRow& row, Eigen::RowVectorXd& by) {
     const PoseObservation& p = t.poses[row.index];
     if (times_.group_s.empty() || !std::isfinite(p.position_sigma_m)) return false;
@@ -127,9 +129,9 @@ class Patterns {
     return true;
   }
 
-  /// Rows of a step come one after the other: x, y, heading. Factors are of the step as it was found: what
-  /// was measured holds its own noise, which agrees with itself (errors in variables), and of a straight
-  /// drive most of the turns are noise.
+  /// Requires that the rows of a step follow each other: x, y, heading. A scale error is proportional to the
+  /// adjusted step. The measured step contains its own noise, with which it is correlated (errors in
+  /// variables), and on a straight drive most of the turns are noise.
   void of_step(const OdometryObservation& o, double residual, Eigen::RowVectorXd& by) {
     const int component = odometry_rows_++ % 3;
     if (component < 2) {
@@ -141,16 +143,17 @@ class Patterns {
 
   Times times_;
   int odometry_rows_ = 0, pose_rows_ = 0;
-  const PoseObservation* pose_ = nullptr;  ///< whose rows come
+  const PoseObservation* pose_ = nullptr;  ///< pose of the current rows
   std::optional<MeasuredPath> path_;
   double speed2_sum_ = 0.0, speeds_ = 0.0;
 };
 
-/// The clearest shift of measured poses from a group of them on. Errors of poses that lie near each other may
-/// be alike: significance is reduced by what groups scatter beside the shift more than white errors would.
+/// The most significant shift of all measured poses from some group on. Errors of nearby poses may be
+/// correlated, so the significance is reduced if the groups scatter about the shift more than white errors
+/// would.
 CommonError shift_of_poses(const ScoreTest& test, const Times& times, std::size_t run, int axes,
                            const AdjustedParameters& parameters) {
-  constexpr double kSeen = 1e-3;  // of the information of the group that has most
+  constexpr double kSeen = 1e-3;  // share of the largest information of any group
   CommonError best{.kind = Kind::kShift, .run = run};
   const Eigen::Index errors = test.gradient().size();
   Eigen::MatrixXd groups = Eigen::MatrixXd::Zero(errors, axes * kPoseGroups);
@@ -186,7 +189,7 @@ double median_path_m(const std::vector<Trajectory>& trajectories) {
   return median(std::move(paths_m));
 }
 
-/// By run, of so many segments one.
+/// Trajectories by run, with one of every `stride` segments.
 std::map<std::size_t, std::vector<Trajectory>> some_of_each(const std::vector<Trajectory>& trajectories,
                                                             std::size_t stride) {
   std::map<std::size_t, std::vector<Trajectory>> some;
@@ -194,7 +197,7 @@ std::map<std::size_t, std::vector<Trajectory>> some_of_each(const std::vector<Tr
   return some;
 }
 
-/// Each error of each run beyond chance, and odometry's, of which all runs have one.
+/// Finds all significant errors of each run, and errors of the odometry, which are common to all runs.
 class ErrorSearch {
  public:
   ErrorSearch(const SharedState& state, const AdjustedParameters& parameters, int threads)
@@ -225,8 +228,8 @@ class ErrorSearch {
     Patterns patterns(times);
     const ScoreTest test = score_test(trajectories, state_, parameters_.layout, of_all.gradient().size(),
                                       std::ref(patterns), threads_);
-    of_all.add(test);                  // of which odometry's errors alone are one in all runs
-    if (times.jump_s.empty()) return;  // nothing was heard
+    of_all.add(test);                  // only the errors of odometry are common to all runs
+    if (times.jump_s.empty()) return;  // no arrivals
     const Trajectory& first = trajectories.front();
     typical_range_m_ = median_path_m(trajectories);
     const bool is_sound = first.nominal_speed_mps < kFasterThanSound_mps;
@@ -244,7 +247,7 @@ class ErrorSearch {
     if (shift.sigmas > kBeyondChance) found_.push_back(shift);
   }
 
-  /// Of ranges or of places.
+  /// Size of an error as a length, in ranges or positions.
   [[nodiscard]] double length_m(const CommonError& error) const {
     const double nominal_mps = parameters_.layout.nominal_speed_mps, size = std::abs(error.size);
     switch (error.kind) {
@@ -252,7 +255,7 @@ class ErrorSearch {
       case Kind::kJump: return size * nominal_mps;
       case Kind::kSpeed: return size * typical_range_m_;
       case Kind::kLag: return size * speed_mps_;
-      default: return size;  // of odometry: of each metre of way
+      default: return size;  // odometry: error of each metre of path
     }
   }
 
@@ -266,7 +269,7 @@ class ErrorSearch {
   const SharedState& state_;
   AdjustedParameters parameters_;
   int threads_;
-  double typical_range_m_ = 0.0, speed_mps_ = 0.0;  ///< of the run that is examined
+  double typical_range_m_ = 0.0, speed_mps_ = 0.0;  ///< values of the current run
   std::vector<CommonError> found_;
 };
 

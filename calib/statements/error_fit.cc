@@ -14,11 +14,12 @@
 namespace octant::calib {
 namespace {
 
-/// Times that a size is refined, while that lowers the cost by more than this share.
+/// Maximum number of refinements of a size, and the share of the cost that a refinement must save.
 constexpr int kSizings = 4;
 constexpr double kWorthSizing = 0.01;
 
-/// Adds what is left of an error to it. @return whether there is any
+/// Adds the remaining error to `error`.
+/// @return false if there is no remaining error
 bool add_what_is_left(const std::vector<CommonError>& left, CommonError& error) {
   const auto more = std::ranges::find_if(left, [&](const CommonError& e) {
     return e.kind == error.kind && e.run == error.run && e.time_s == error.time_s;
@@ -36,7 +37,7 @@ bool add_what_is_left(const std::vector<CommonError>& left, CommonError& error) 
   return true;
 }
 
-/// Residuals of a run's arrivals that have a state [s], whether they are in use or not, in order of time.
+/// Residuals of the arrivals of a run that have a state, used or rejected, in order of time.
 struct TimedResidual {
   double time_s, residual_s, sigma_s;
 };
@@ -51,7 +52,7 @@ std::map<std::size_t, std::vector<TimedResidual>> residuals_by_run(const Fit& fi
   return runs;
 }
 
-/// Squares of some residuals less a step, each up to the rejection limit.
+/// Sum of the squared residuals after subtracting a step, each limited to the rejection limit.
 double capped_squares(std::span<const TimedResidual> residuals, double step_s, double limit) {
   double sum = 0.0;
   for (const TimedResidual& r : residuals)
@@ -59,12 +60,12 @@ double capped_squares(std::span<const TimedResidual> residuals, double step_s, d
   return sum;
 }
 
-/// A jump of the clock that the largest consensus leaves out: nearly all arrivals on one side of it are
-/// outliers, of which the score of the used ones shows nothing. The median on either side tells its size.
+/// Finds a jump of the clock that the largest consensus rejects. Nearly all arrivals on one side of it are
+/// outliers, so the score of the used arrivals does not show it. The medians on both sides give its size.
 std::optional<CommonError> jump_of_outliers(std::size_t run, const std::vector<TimedResidual>& all,
                                             double limit, double nominal_mps) {
   constexpr std::size_t kCuts = 32, kFewest = 40;
-  constexpr double kGain = 0.5;  // of the squares
+  constexpr double kGain = 0.5;  // largest remaining share of the squares
   if (all.size() < kFewest) return {};
   const double as_stated = capped_squares(all, 0.0, limit);
   CommonError best{.kind = CommonError::Kind::kJump, .run = run};
@@ -90,8 +91,9 @@ std::optional<CommonError> jump_of_outliers(std::size_t run, const std::vector<T
   return best;
 }
 
-/// Moves a jump that was taken out of a fit to the arrival at which it leaves the least squares, each up to
-/// `limit`: those between the two times are off by its size. @return whether it moved
+/// Moves a jump, for which the fit was corrected, to the arrival at which it leaves the smallest sum of
+/// squares, each limited to `limit`. Arrivals between the true and the assumed time deviate by its size.
+/// @return true if it moved
 bool sharpen(const Fit& without, double limit, CommonError& jump) {
   const std::vector<TimedResidual> all = residuals_by_run(without)[jump.run];
   const auto cost = [limit](const TimedResidual& r, double more_s) {
@@ -101,12 +103,12 @@ bool sharpen(const Fit& without, double limit, CommonError& jump) {
       std::ranges::lower_bound(all, jump.time_s, {}, &TimedResidual::time_s) - all.begin());
   double best = 0.0, time_s = jump.time_s;
   double sum = 0.0;
-  for (std::size_t i = at; i + 1 < all.size(); ++i) {  // a later jump: these came before it
+  for (std::size_t i = at; i + 1 < all.size(); ++i) {  // later jump: these arrivals precede it
     sum += cost(all[i], jump.size) - cost(all[i], 0.0);
     if (sum < best) best = sum, time_s = all[i + 1].time_s;
   }
   sum = 0.0;
-  for (std::size_t i = at; i-- > 0;) {  // an earlier one
+  for (std::size_t i = at; i-- > 0;) {  // earlier jump
     sum += cost(all[i], -jump.size) - cost(all[i], 0.0);
     if (sum < best) best = sum, time_s = all[i].time_s;
   }

@@ -16,10 +16,10 @@
 namespace octant::calib {
 namespace {
 
-constexpr std::size_t kRows = 20'000, kBlocks = 40;  ///< of a recording, looked at
+constexpr std::size_t kRows = 20'000, kBlocks = 40;  ///< examined rows and blocks of a long recording
 constexpr std::size_t kStops = 1000;
 
-/// Evenly spread blocks of rows, each as long as stops allow; a short recording as it is.
+/// Evenly spread blocks of rows, extended to whole stops. A short recording is returned unchanged.
 MeasurementLog some_blocks(const MeasurementLog& run) {
   MeasurementLog blocks = without_lists(run);
   blocks.odometry = run.odometry;
@@ -40,12 +40,13 @@ MeasurementLog some_blocks(const MeasurementLog& run) {
   return blocks;
 }
 
-/// Said of blocks it would be of the pauses between them, or of what they happen not to hold.
+/// Returns true for findings that require all rows: in blocks they would report the pauses between these, or
+/// data that the blocks do not contain.
 bool needs_all(const Finding& f) {
   return f.kind == "gap" || f.kind == "constant" || f.kind == "temperature";
 }
 
-/// Beacons without a single arrival, where many rows were no measurement.
+/// Finds beacons without any arrival in recordings in which many rows were rejected.
 std::vector<Finding> beacons_without_measurement(const Site& site, const std::vector<MeasurementLog>& runs) {
   constexpr std::size_t kMany = 10;
   std::vector<std::size_t> arrivals(site.beacons.size(), 0);
@@ -69,7 +70,7 @@ std::vector<Finding> beacons_without_measurement(const Site& site, const std::ve
 
 }  // namespace
 
-/// Places that hold nothing, at a site without a control point: an oversight more often than not.
+/// Finds positions without a sigma at a site without a control point. This is usually an oversight.
 std::vector<Finding> site_hints(const Site& site) {
   std::vector<std::string> loose;
   std::size_t placed = 0;
@@ -109,7 +110,7 @@ std::vector<Finding> log_hints(const Site& site, const std::vector<MeasurementLo
   }
   if (all)
     for (Finding& f : silent_links(site, health))
-      if (f.kind != "silent_beacon") findings.push_back(std::move(f));  // calibration says so itself
+      if (f.kind != "silent_beacon") findings.push_back(std::move(f));  // reported by the calibration itself
   return findings;
 }
 

@@ -9,19 +9,19 @@
 
 namespace octant::calib {
 
-/// What is odd about a site file by itself: places without any sigma, which serve as a start and hold
-/// nothing.
+/// Checks a site file alone: positions without any sigma are initial values only and define no frame.
 [[nodiscard]] std::vector<Finding> site_hints(const Site& site);
 
-/// What `check` says of the recordings before anything is solved (log_health.h), for a calibration: of a long
-/// recording evenly spread blocks of rows are looked at, which takes a few hundredths of a second whatever
-/// its length. Those of the site come first.
-/// @param are_complete  false: the runs are an evenly spread part of the recordings
+/// Checks the recordings of a calibration before the solution, like `check` (log_health.h). In a long
+/// recording evenly spread blocks of rows are examined, which takes a few hundredths of a second for any
+/// length. Findings of the site come first.
+/// @param are_complete  false if the runs are an evenly spread part of the recordings
 [[nodiscard]] std::vector<Finding> log_hints(const Site& site, const std::vector<MeasurementLog>& runs,
                                              bool are_complete = true);
 
-/// What the outcome shows of the recordings: receivers whose ranges fit another's place or none, jumps of a
-/// clock. An evenly spread part of a long recording is looked at. Nothing where nothing was solved.
+/// Checks the recordings by the solution: receivers whose ranges fit another receiver's position or no
+/// position, and jumps of a clock. In a long recording an evenly spread part is examined. Empty without a
+/// solution.
 [[nodiscard]] std::vector<Finding> outcome_hints(const Problem& problem, const Solution& solution);
 
 }  // namespace octant::calib

@@ -29,7 +29,7 @@ class MeasuredPath {
   }
   [[nodiscard]] const Trajectory* trajectory() const { return t_; }
 
-  /// Between two poses (linear, slerp); beyond the ends straight on.
+  /// Interpolates between two poses (linear, slerp) and extrapolates linearly beyond the ends.
   [[nodiscard]] Pose at(double time_s) const {
     const std::size_t n = times_s_.size();
     const auto next = static_cast<std::size_t>(std::ranges::lower_bound(times_s_, time_s) - times_s_.begin());

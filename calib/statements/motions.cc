@@ -14,17 +14,17 @@
 namespace octant::calib {
 namespace {
 
-constexpr std::size_t kFewestOfBeacon = 8;  ///< arrivals on either side of a time of change
-/// A second pose has three parameters, each worth a few units of chance; a late arrival that it takes up
-/// saves eight.
+constexpr std::size_t kFewestOfBeacon = 8;  ///< least number of arrivals on each side of a change
+/// Least gain of a second pose, in half squares. Its three parameters gain a few units by chance, and one
+/// late arrival that it absorbs gains eight.
 constexpr double kStopGain = 30.0;
 constexpr std::size_t kFewestBeacons = 3, kFewestOfHalf = 6;
 
-/// Squares of a stop's arrivals up to the limit of the rejection, of those on one side of an instant.
+/// Cost of the arrivals of a stop on one side of a time, each limited to the rejection limit.
 struct SideCost {
   double cost = 0.0;
   std::size_t used = 0, beacons = 0;
-  Eigen::Vector2d at_m = Eigen::Vector2d::Zero();  ///< of the vehicle
+  Eigen::Vector2d at_m = Eigen::Vector2d::Zero();  ///< position of the vehicle
 };
 
 class StopTest {
@@ -35,7 +35,7 @@ class StopTest {
       ArrivalObservation a = t.arrivals[i];
       if (!is_by_residual(a.rejection)) continue;
       a.node = 0;
-      if (a.hear_send >= 0) {  // two-way: how the vehicle moved between hearing and sending
+      if (a.hear_send >= 0) {  // two-way: motion of the vehicle between reception and reply
         one_.T_hear_send.push_back(t.T_hear_send[static_cast<std::size_t>(a.hear_send)]);
         a.hear_send = static_cast<std::int32_t>(one_.T_hear_send.size()) - 1;
       }
@@ -45,7 +45,7 @@ class StopTest {
     for (const ArrivalObservation& a : one_.arrivals) times_.insert(a.time_s);
   }
 
-  /// The two poses that explain most; of no gain where the stop does not tell.
+  /// The two poses that explain most; their gain is zero if the stop does not determine them.
   [[nodiscard]] StopMotion best() {
     StopMotion best;
     if (one_.arrivals.size() < 2 * kFewestOfHalf || times_.size() < 4) return best;
@@ -92,8 +92,8 @@ class StopTest {
   std::set<double> times_;
 };
 
-/// Several beacons that do not fit: the echoes of one are no motion; and enough squares to be saved by a
-/// second pose.
+/// Returns true if a second pose may explain enough. Several beacons must deviate, because echoes of a single
+/// beacon are no motion, and the residuals must exceed what a second pose has to save.
 bool may_have_moved(const Trajectory& t, const Segment& s, const SharedState& state, double limit) {
   std::optional<std::size_t> first;
   bool several = false;
@@ -128,7 +128,7 @@ Fit split_fit(const SolveOptions& options, const Fit& fit, std::size_t b, double
       if (a.beacon.index() == b && a.time_s > time_s) a.beacon = after;
   split.layout = make_layout(split.problem, state, split.beacon_usable);
   split.layout.dense_limit = fit.layout.dense_limit;
-  for (Parameter& p : split.layout.parameters)  // as they are believed by now
+  for (Parameter& p : split.layout.parameters)  // with the current priors
     for (const Parameter& old : fit.layout.parameters)
       if (old.id == p.id) p = old;
   split.x = split.layout.vector_of(state);
@@ -157,7 +157,7 @@ Move move_of(const SolveOptions& options, const Fit& split, std::size_t b, doubl
 }
 
 std::vector<double> times_of_change(const Fit& fit, std::size_t b) {
-  std::vector<std::pair<double, double>> out;  // time, whether left out
+  std::vector<std::pair<double, double>> out;  // time, 1 if rejected
   for (const Trajectory& t : fit.trajectories)
     for (const ArrivalObservation& a : t.arrivals)
       if (a.beacon.index() == b && is_by_residual(a.rejection))
@@ -186,7 +186,7 @@ std::vector<double> times_of_change(const Fit& fit, std::size_t b) {
 std::optional<double> best_time_of_change(const Fit& split, std::size_t b, double limit) {
   const BeaconId earlier(b), later(split.problem.site.beacons.size() - 1);
   const SharedState state = split.state();
-  // Of each arrival: its time, and by how much it costs more at the later place than at the earlier one.
+  // Time of each arrival, and its cost at the later position minus that at the earlier one.
   std::vector<std::pair<double, double>> more_if_later;
   for (const Trajectory& t : split.trajectories)
     for (ArrivalObservation a : t.arrivals) {

@@ -11,38 +11,38 @@
 
 namespace octant::calib {
 
-/// A beacon that hung elsewhere from some time on.
+/// A change of a beacon's position at some time.
 struct Move {
   Eigen::Vector3d by_m = Eigen::Vector3d::Zero();
   double time_s = 0.0, sigmas = 0.0, cost = 0.0;
 };
 
-/// Times at which a beacon may have moved: where its arrivals begin or cease to be left out, and half way
-/// through. None where it has few.
+/// Times at which a beacon may have moved: where its arrivals begin or cease to be rejected, and its median
+/// time. Empty if it has few arrivals.
 [[nodiscard]] std::vector<double> times_of_change(const Fit& fit, std::size_t beacon);
 
-/// The fit in which a beacon's arrivals after some time are those of another one (the site's last), of which
-/// nothing is known.
+/// Fit in which the arrivals of a beacon after some time belong to another beacon (the last of the site) at
+/// an unknown position.
 [[nodiscard]] Fit split_fit(const SolveOptions& options, const Fit& fit, std::size_t beacon, double time_s);
 
-/// When such a fit's beacon changed its place, by where its arrivals fit: at the earlier place before, at the
-/// later one after it, with the least sum of squares, each up to `limit` squared. None where too few are on
-/// either side.
+/// Most likely time of the move, given the two positions of such a fit: the smallest sum of squares, each
+/// limited to `limit` squared, with arrivals before it at the earlier position and arrivals after it at the
+/// later one. No value if there are too few arrivals on either side.
 [[nodiscard]] std::optional<double> best_time_of_change(const Fit& split, std::size_t beacon, double limit);
 
-/// By how much and how surely the two halves of such a fit differ.
+/// Size and significance of the difference between the two positions of such a fit.
 [[nodiscard]] Move move_of(const SolveOptions& options, const Fit& split, std::size_t beacon, double time_s);
 
 /// A motion of the vehicle during a stop.
 struct StopMotion {
-  double gain = 0.0;    ///< of a second pose: half the squares that it saves
-  double by_m = 0.0;    ///< from the pose before to that after, in the plane
-  double time_s = 0.0;  ///< between the two
+  double gain = 0.0;    ///< half squares that a second pose saves
+  double by_m = 0.0;    ///< distance between the two poses, in the plane
+  double time_s = 0.0;  ///< time between the two poses
 };
 
-/// The motion by which two poses, one before and one after some instant, explain a stop's arrivals better
-/// than one, by half the squares, each up to `limit`. None where they do not by more than chance, where the
-/// stop has too few arrivals to tell, or where a single beacon's do not fit: the echoes of one are no motion.
+/// Finds a motion during a stop: two poses, before and after some time, explain its arrivals significantly
+/// better than one, by half the squares, each limited to `limit` squared. No value if they do not, if the
+/// stop has too few arrivals, or if only one beacon deviates, because its echoes are no motion.
 [[nodiscard]] std::optional<StopMotion> motion_during(const Trajectory& trajectory, const Segment& stop,
                                                       const SharedState& state, double limit);
 

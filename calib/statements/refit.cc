@@ -17,12 +17,13 @@
 namespace octant::calib {
 namespace {
 
-/// A false statement bends everything by tens of sigmas: the first loss of an adjustment without it.
+/// Loss scale of the first adjustment without an assumption. A false assumption distorts all residuals by
+/// tens of sigmas.
 constexpr double kCoarseScale = 20.0;
 constexpr int kRefitRounds = 5;
 
 AdjustOptions alone(const SolveOptions& options, double scale, double function_tolerance) {
-  AdjustOptions adjust;  // every rank for itself: they all hold the same, and it is little
+  AdjustOptions adjust;  // each rank by itself: all have the same small data
   adjust.loss = {scale, scale};
   adjust.max_iterations = options.max_iterations;
   adjust.workers.threads = options.threads;
@@ -31,7 +32,7 @@ AdjustOptions alone(const SolveOptions& options, double scale, double function_t
   return adjust;
 }
 
-/// Observations left out though they might have been in use.
+/// Number of observations rejected as outliers.
 std::size_t left_out_count(const std::vector<Trajectory>& trajectories) {
   std::size_t count = 0;
   for (const Trajectory& t : trajectories) {
@@ -108,7 +109,7 @@ Eigen::MatrixXd honest_covariance(const SolveOptions& options, const Fit& fit) {
   std::vector<Trajectory> trajectories = fit.trajectories;
   const Information information =
       information_at(fit.problem, fit.layout, trajectories, fit.x, {.threads = options.threads});
-  // Priors are no noise of the arrivals: only what the data say is worth less than their count.
+  // The noise of the arrivals does not affect priors, so only the information of the data is reduced.
   const double inflation = fit.noise_factor * fit.noise_factor * variance_inflation(fit, options.threads);
   const Eigen::MatrixXd total = information.data / inflation + information.prior;
   return inverse_of_information(total);

@@ -10,37 +10,37 @@
 
 namespace octant::calib {
 
-/// One adjustment under a hypothesis on what was stated: the same arrivals, other statements believed. Its
-/// noise factor is over the noise that all fits of a comparison share.
+/// One adjustment of the same arrivals under other assumptions. Its noise factor is relative to the noise
+/// that all fits of a comparison share.
 struct Fit : Estimate {
   bool ok = false;                       ///< converged
-  Problem problem;                       ///< site as believed, no recordings
+  Problem problem;                       ///< site under these assumptions, without recordings
   std::vector<Trajectory> trajectories;  ///< solved at x, outliers rejected
-  /// 1/2 the squares of everything at that noise, each arrival left out
-  /// counted with the squares at which it would have been: lower explains more.
+  /// Half the sum of squares of all residuals and priors at that noise. Each rejected arrival counts with its
+  /// squares at the rejection limit. A lower cost explains more.
   double cost = 0.0;
 };
 
-/// The estimate of a calibration as a fit. Of long logs an evenly spread part (of all of their arrivals some
-/// kMostArrivals), adjusted again on its own.
+/// Converts the estimate of a calibration to a fit. From long logs, an evenly spread part with about
+/// kMostArrivals arrivals is adjusted again.
 [[nodiscard]] Fit fit_of(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
                          const std::vector<Trajectory>& trajectories);
 inline constexpr std::size_t kMostArrivals = 60'000;
 
-/// Adjusts again from where `fit` stands: all arrivals admitted, Cauchy's loss from coarse to fine, then
-/// plain squares on those that agree. The layout's size may differ from that of the fit's x.
-/// @param fit  problem, layout, x and trajectories are the start
+/// Adjusts again, starting from `fit`: all arrivals admitted, Cauchy's loss from coarse to fine, then least
+/// squares of those that agree. The layout's size may differ from that of x.
+/// @param fit  input: problem, layout, x and trajectories
 void adjust_anew(const SolveOptions& options, Fit& fit);
 
 /// Inverse of an information matrix, scaled to a unit diagonal first.
-/// @param ridge  added to the scaled diagonal: a direction without information gets its inverse as variance
+/// @param ridge  added to the scaled diagonal; a direction without information gets its inverse as variance
 [[nodiscard]] Eigen::MatrixXd inverse_of_information(const Eigen::MatrixXd& information,
                                                      double ridge = 1e-12);
 
-/// Joint covariance of a fit's parameters in internal units under the errors as its residuals show them
-/// (noise, and how long it keeps). Everything that tests a statement takes it from here.
+/// Joint covariance of the parameters in internal units, for the noise and correlation that the residuals
+/// show. All tests of assumptions use it.
 [[nodiscard]] Eigen::MatrixXd honest_covariance(const SolveOptions& options, const Fit& fit);
-/// What the variances of white noise as found are to be multiplied by where errors keep within a pair.
+/// Factor on the variances of white noise that accounts for correlated errors within a pair.
 [[nodiscard]] double variance_inflation(const Fit& fit, int threads);
 
 }  // namespace octant::calib

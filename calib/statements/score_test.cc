@@ -15,12 +15,12 @@
 namespace octant::calib {
 namespace {
 
-/// Adds what a window's rows say once their states have followed each error.
+/// Adds the rows of a window after their states have followed each error.
 void add_window(const Trajectory& t, const Segment& segment, const SharedState& state,
                 const ParameterLayout& layout, const ErrorPatterns& patterns, const ChainWindow& window,
                 Eigen::RowVectorXd& by, ScoreTest& test) {
   const Eigen::Index n = t.block_size();
-  // Of the row's nodes; in rows of the solution, which has that of the state behind the window too.
+  // Effect of the states of a row's node on its residual. The solution includes the state behind the window.
   const auto moved = [&](std::size_t node, const NodeRow& by_state) -> Eigen::RowVectorXd {
     return by_state.leftCols(n) *
            window.solution.middleRows(static_cast<Eigen::Index>(node - window.first_node) * n, n);

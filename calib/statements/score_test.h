@@ -14,52 +14,53 @@
 
 namespace octant::calib {
 
-/// By how much a row (its observation, whitened) grows with the size of each of some errors that the
-/// observations may have in common, which come as zeros; false: with none of them.
+/// Derivative of a whitened observation by the size of each common error. `by` is zero at input.
+/// @return false if no error affects the row
 using ErrorPatterns = std::function<bool(const Trajectory&, const ObservationRow&, Eigen::RowVectorXd& by)>;
 
 /// Shared parameters as an adjustment left them.
 struct AdjustedParameters {
   const ParameterLayout& layout;
-  const Covariance& covariance;  ///< by the noise that the rows have
-  double share = 1.0;            ///< of the observations that they are from, that is looked at
+  const Covariance& covariance;  ///< for the noise of the rows
+  double share = 1.0;            ///< examined share of the observations that determined the parameters
 };
 
-/// What the residuals r of an adjustment say of errors C = (c1, c2, ...) that were not in it: score test (Rao
-/// 1948; for errors of known pattern the w-test of Baarda 1968), states and shared parameters adjusted along.
-/// With what the states leave of the errors, the parameters' rows J and their covariance Q,
-///   gradient = C'r, with the covariance C'C - (J'C)' Q (J'C), and by the errors' sizes
-///   C'C - (J'C)' Q (J'C) / share
-/// where the rows are only a share of those that Q and the parameters are from: these have followed the
-/// errors in all.
+/// Score test (Rao 1948; for errors of known pattern the w-test of Baarda 1968) of errors C = (c1, c2, ...)
+/// that an adjustment with residuals r does not model. States and shared parameters follow the errors. With C
+/// after elimination of the states, the rows J of the parameters and their covariance Q:
+///   gradient C'r, its covariance C'C - (J'C)' Q (J'C), its derivative by the sizes C'C - (J'C)' Q (J'C) /
+///   share
+/// `share` is the examined share of the rows that determined Q and the parameters, which follow the errors of
+/// all rows.
 class ScoreTest {
  public:
   ScoreTest(Eigen::Index parameters, Eigen::Index errors);
-  /// @param by  the errors in a row, less what the states take up of them; whitened
+  /// @param by  effect of the errors on a row after elimination of the states; whitened
   void add_row(double residual, const RowEntries& shared, const Eigen::RowVectorXd& by);
-  /// Of those errors that are the same in other observations.
+  /// Adds the sums of the same errors in other observations.
   void add(const ScoreTest& other);
 
   struct Finding {
-    Eigen::VectorXd size;  ///< that explains the residuals best
-    double sigmas = 0.0;  ///< root of what that takes off the sum of their squares; with the sign of one size
+    Eigen::VectorXd size;  ///< size that explains the residuals best
+    /// Square root of the decrease of the sum of squares; for a single error with the sign of its size
+    double sigmas = 0.0;
   };
-  /// Of errors that are sums of these, together. None where the parameters take up all but a fiftieth of
-  /// one: what bends them may be no error at all.
-  /// @param sums  a column each, of weights of the errors
+  /// Tests several sums of the errors together. The result is zero if the parameters absorb all but a
+  /// fiftieth of a sum, which could then have other causes.
+  /// @param sums  one column of weights of the errors for each sum
   [[nodiscard]] Finding of(const Eigen::MatrixXd& sums, const AdjustedParameters& parameters) const;
   [[nodiscard]] Finding of_error(Eigen::Index error, const AdjustedParameters& parameters) const;
 
-  /// By how much the parameters follow an error of size one that the adjustment does not know of: -Q J'c.
+  /// Shift of the parameters due to an unmodelled error of size one: -Q J'c.
   [[nodiscard]] Eigen::VectorXd shift(Eigen::Index error, const Covariance& covariance) const;
 
   [[nodiscard]] const Eigen::VectorXd& gradient() const { return gradient_; }
-  /// C'C - (J'C)' Q (J'C) / share, of sums `a` (rows) with sums `b` (columns).
+  /// C'C - (J'C)' Q (J'C) / share for sums `a` (rows) and `b` (columns).
   [[nodiscard]] Eigen::MatrixXd information(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
                                             const Covariance& covariance, double share = 1.0) const;
 
  private:
-  /// (J'C)' Q (J'C), of sums `a` with sums `b`.
+  /// (J'C)' Q (J'C) for sums `a` (rows) and `b` (columns).
   [[nodiscard]] Eigen::MatrixXd taken_up(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b,
                                          const Covariance& covariance) const;
 
@@ -68,13 +69,13 @@ class ScoreTest {
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> by_parameters_;  ///< J'C
 };
 
-/// Takes one sweep over the states and adjusts nothing.
+/// Computes the score test in one pass over the states, without an adjustment.
 /// @param trajectories  adjusted, or a part of those from which the parameters are
-/// @param errors        how many; columns of what `patterns` fills
+/// @param errors        number of errors: columns filled by `patterns`
 [[nodiscard]] ScoreTest score_test(const std::vector<Trajectory>& trajectories, const SharedState& state,
                                    const ParameterLayout& layout, Eigen::Index errors,
                                    const ErrorPatterns& patterns, int threads = 1);
-/// The same of one segment: of a stop.
+/// Score test of one segment, such as a stop.
 [[nodiscard]] ScoreTest score_test(const Trajectory& trajectory, const Segment& segment,
                                    const SharedState& state, const ParameterLayout& layout,
                                    Eigen::Index errors, const ErrorPatterns& patterns);

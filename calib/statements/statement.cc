@@ -71,7 +71,8 @@ std::vector<Statement> StatedSite::common_causes() const {
   return causes;
 }
 
-/// So wide that the data alone tell, and finite so that what they do not tell stays where it was.
+/// Sigma of a released parameter: so wide that only the data determine it, but finite, so that parameters
+/// that they do not determine keep their value.
 double StatedSite::wide_sigma(const Statement& s) const {
   switch (s.what) {
     case What::kSpeed:
@@ -82,9 +83,9 @@ double StatedSite::wide_sigma(const Statement& s) const {
   }
 }
 
-/// Refits of up to so many parameters have dense matrices, as the tests of statements form these anyway.
+/// Maximum number of parameters for dense matrices in refits; the tests of assumptions form these anyway.
 constexpr int kDenseRefit = 1000;
-/// Any; the prior is widened afterwards.
+/// Any positive value, because the prior is widened afterwards.
 constexpr double kReleasedSpeed_mps = 30.0;
 
 ParameterLayout StatedSite::layout_without(const std::vector<Statement>& released, const SharedState& state,
@@ -107,7 +108,7 @@ ParameterLayout StatedSite::layout_without(const std::vector<Statement>& release
     problem.site.distances.erase(problem.site.distances.begin() + static_cast<std::ptrdiff_t>(d));
   ParameterLayout layout = make_layout(problem, state, beacon_usable_);
   layout.dense_limit = std::max(layout_.dense_limit, kDenseRefit);
-  // Priors as the labels were mended.
+  // Priors of the calibration's layout, in which labels were corrected.
   for (std::size_t b = 0; b < layout.beacon.size(); ++b)
     for (std::size_t i = 0; i < 3; ++i)
       if (const int old = layout_.beacon[b][i], c = layout.beacon[b][i]; old >= 0 && c >= 0)
@@ -127,9 +128,9 @@ double StatedSite::value(const Statement& s, const ParameterLayout& layout, int 
       if (layout.beacon[s.index][i] == column) return *site().beacons[s.index].position_m[i];
   }
   const Parameter& p = layout.parameter(column);
-  // The prior mean stands on the beacons then.
+  // The delay's prior mean then applies to the beacons.
   if (s.what == What::kOneDelay) return beacon_delay_prior(site(), p.id.owner).value / p.si_per_unit;
-  // Where receivers or the site hold the delay, those of the beacons come on top of it.
+  // If receivers or the site have the delay, the delays of the beacons are added to it.
   if (s.what == What::kNoDelays)
     return site().timing.delay_per.beacon ? beacon_delay_prior(site(), p.id.owner).value / p.si_per_unit
                                           : 0.0;

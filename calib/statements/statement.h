@@ -11,45 +11,45 @@
 
 namespace octant::calib {
 
-/// What kind of thing a site file states.
+/// Kinds of assumptions in a site file.
 enum class What {
   kControlPoint,
   kBeaconDelay,
   kReceiverDelay,
   kSiteDelay,
   kNoDelays,
-  kOneDelay,   ///< of the site, for all beacons
-  kDelays,     ///< those of all beacons together, each with a prior
-  kHeldSpeed,  ///< the medium's, exactly
+  kOneDelay,   ///< one delay of the site for all beacons
+  kDelays,     ///< delays of all beacons together, each with a prior
+  kHeldSpeed,  ///< speed of the medium, fixed
   kSpeed,
   kReceiver,
   kAttenuation,
   kDistance
 };
 
-/// One thing that a site file states.
+/// One assumption of a site file.
 struct Statement {
   What what = What::kSpeed;
-  std::size_t index = 0;  ///< of the beacon, receiver, run, coefficient or distance
+  std::size_t index = 0;  ///< index of the beacon, receiver, run, coefficient or distance
   bool operator==(const Statement&) const = default;
 };
 
-/// Columns of a statement in a layout in which it may move; none of a taped distance.
+/// Columns of an assumption in a layout in which it is free; empty for a taped distance.
 [[nodiscard]] std::vector<int> columns_of(const Statement& statement, const ParameterLayout& layout);
 
-/// Whether a statement is held (a control point, no delay): it has no columns of its own until it is
+/// Returns true if an assumption fixes a value (a control point, no delay). It has no columns until it is
 /// released.
 [[nodiscard]] inline bool is_held(const Statement& s) {
   return s.what == What::kControlPoint || s.what == What::kNoDelays || s.what == What::kOneDelay ||
          s.what == What::kHeldSpeed;
 }
 
-/// What a site file states, as a calibration believes it.
+/// Assumptions of a site file in a calibration.
 class StatedSite {
  public:
   /// Problem and layout must outlive it.
-  /// @param layout  of the calibration, its priors as the labels were mended  @param beacon_usable  of the
-  /// site
+  /// @param layout  layout of the calibration, in whose priors labels were corrected
+  /// @param beacon_usable  for each beacon of the site
   StatedSite(const Problem& problem, const ParameterLayout& layout, std::vector<bool> beacon_usable)
       : problem_(problem), layout_(layout), beacon_usable_(std::move(beacon_usable)) {}
 
@@ -57,23 +57,23 @@ class StatedSite {
   [[nodiscard]] const Problem& problem() const { return problem_; }
   [[nodiscard]] const ParameterLayout& layout() const { return layout_; }
 
-  /// Everything that can be held against the data.
+  /// All assumptions that can be tested against the data.
   [[nodiscard]] std::vector<Statement> all() const;
 
-  /// What bends everything else a little where it is wrong, so that single good statements are blamed for it:
-  /// one delay for all beacons, their delays together, a speed that is held. No tests of their own, as real
-  /// beacons differ by more than the arrivals' noise tells: only what is blamed on another statement may be
-  /// one of these.
+  /// Assumptions that distort everything else a little if they are wrong, so that single correct assumptions
+  /// are blamed: one delay for all beacons, their delays together, a fixed speed. They are not tested by
+  /// themselves, because real beacons differ by more than the noise. They are only alternatives to another
+  /// contradicted assumption.
   [[nodiscard]] std::vector<Statement> common_causes() const;
 
-  /// A layout in which some statements are not believed.
-  /// @param problem  out: with the site as it is believed then
+  /// Layout in which some assumptions are released.
+  /// @param problem  output: problem with the corresponding site
   [[nodiscard]] ParameterLayout layout_without(const std::vector<Statement>& released,
                                                const SharedState& state, Problem& problem) const;
 
-  /// As the site file has it, internal unit of that column of a layout.
+  /// Value in the site file, in the internal unit of the column.
   [[nodiscard]] double value(const Statement& statement, const ParameterLayout& layout, int column) const;
-  /// Sigma by which the site file states it; 0: held.
+  /// Sigma in the site file; 0: fixed.
   [[nodiscard]] double sigma(const Statement& statement, const ParameterLayout& layout, int column) const;
 
  private:

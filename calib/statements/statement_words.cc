@@ -45,7 +45,7 @@ class StatementWords {
     return c;
   }
 
-  /// Two control points that were found at each other's places.
+  /// Joins two control points that were found at each other's positions.
   void join_exchanged(const std::vector<Statement>& culprits, std::vector<Contradiction>& found) const {
     const SharedState state = fit_.state();
     const auto place = [&](std::size_t b) { return *stated_.site().beacons[b].place_m(); };
@@ -71,10 +71,10 @@ class StatementWords {
       }
   }
 
-  /// All control points of a planar site by as much too high, or too low.
+  /// Joins the control points of a planar site if all are too high, or too low, by the same amount.
   void join_heights(const std::vector<Statement>& culprits, std::vector<Contradiction>& found) const {
     constexpr std::size_t kFewest = 3;
-    constexpr double kAlike = 0.15, kDistances = 0.25;  ///< of that height
+    constexpr double kAlike = 0.15, kDistances = 0.25;  ///< share of that height
     const Site& site = stated_.site();
     const auto points =
         std::ranges::count_if(site.beacons, [](const SiteBeacon& b) { return b.is_control_point(); });
@@ -162,7 +162,7 @@ class StatementWords {
   }
 
   void describe_delays(const SharedState& state, Contradiction& c) const {
-    // All of it: the site, or all receivers alike, may hold a part.
+    // The full delay: the site, or all receivers alike, may have a part of it.
     const double held_s =
         state.site_delay_s + (state.receiver_delay_s.empty() ? 0.0 : state.receiver_delay_s.front());
     double least = INFINITY, most = -INFINITY;

@@ -10,9 +10,9 @@
 
 namespace octant::calib {
 
-/// Statements that the data contradict, in words: what was stated, what the fit in which none of them is
-/// believed finds, what to do about it. Two control points that were found at each other's places are one.
-/// @param culprits  with the sigmas by which they are contradicted, side by side
+/// Describes contradicted assumptions: value in the site file, value in the fit that releases all of them,
+/// remedy. Two control points at each other's positions are one contradiction.
+/// @param sigmas  significance of each culprit
 [[nodiscard]] std::vector<Contradiction> in_words(const StatedSite& stated, const Fit& fit,
                                                   const std::vector<Statement>& culprits,
                                                   const std::vector<double>& sigmas);

@@ -21,39 +21,39 @@
 namespace octant::calib {
 namespace {
 
-/// Chance of a false contradiction at a site, over all that is tested there.
+/// Probability of a false contradiction at a site, over all tests.
 constexpr double kFalseAlarms = 0.002;
-/// Models are not exact: what is seen at fewer sigmas is no contradiction, however many observations there
-/// are.
+/// Least significance of a contradiction. Models are not exact, so smaller deviations do not count for any
+/// number of observations.
 constexpr double kFewestSigmas = 5.0;
 /// A deviation below this share of the site's tolerance is of no consequence.
 constexpr double kMatters = 0.2;
-/// Before anything is adjusted again.
+/// Limits for suspects, before any new adjustment: significance, and share of rejected arrivals of a control
+/// point.
 constexpr double kSuspectStatementSigmas = 4.0;
 constexpr double kMostlyLeftOut = 0.3;
-/// Half squares by which delays of the beacons' own have to explain more than the best single statement:
-/// there are more of them.
+/// Half squares by which a common cause must explain more than the best single assumption, because it has
+/// more parameters.
 constexpr double kPlainlyBetter = 16.0;
-/// Matrices of so many parameters are dense here: some ten of 32 MB.
+/// Maximum number of parameters. The matrices are dense: about ten of 32 MB.
 constexpr Eigen::Index kMostParameters = 2000;
 constexpr std::size_t kMostSuspects = 8, kMostCulprits = 4;
-/// An error that observations have in common is beyond chance at so many sigmas: some dozens are tested.
+/// Least significance of an error that many observations have in common; some dozens are tested.
 constexpr double kErrorSigmas = 6.0;
-/// It contradicts what was stated where it leaves no more than this share of the squares.
+/// Largest share of the cost that may remain if such an error is a contradiction.
 constexpr double kLeavesLess = 0.5;
 constexpr std::size_t kMostErrors = 4;
-/// Errors whose log likelihoods differ by less are equally likely.
+/// Difference of log-likelihoods below which errors are equally likely.
 constexpr double kEquallyLikely = 5.0;
 
-/// A difference of what was stated and what was found.
+/// Difference between the site file and a fit.
 struct Difference {
-  Eigen::VectorXd v;  ///< found less stated, internal units
+  Eigen::VectorXd v;  ///< value of the fit minus value of the site file, internal units
   Eigen::MatrixXd covariance;
-  double length_m = 0.0;  ///< at the beacons or at the robot
-  /// Squares of the difference in its own covariance.
+  double length_m = 0.0;  ///< effect at the beacons or the robot
+  /// Squared difference, normalised by its covariance.
   [[nodiscard]] double squares() const { return v.size() == 0 ? 0.0 : v.dot(covariance.ldlt().solve(v)); }
-  /// Normal deviate of the same chance of squares() by chi-square (Wilson and Hilferty 1931, far in the
-  /// tail).
+  /// Normal deviate with the chi-square probability of squares() (Wilson and Hilferty 1931, far in the tail).
   [[nodiscard]] double sigmas() const {
     const double n = static_cast<double>(v.size()), s = squares();
     if (!(s > 0) || !std::isfinite(s)) return 0.0;
@@ -65,7 +65,7 @@ double chance(double squares, Eigen::Index degrees) {
   return squares > 0 && degrees > 0 ? chi_square_tail(squares, static_cast<int>(degrees)) : 1.0;
 }
 
-/// Whether a statement's columns are those of a prior, or of what is held.
+/// Returns true if the parameter has a prior.
 bool has_prior(const Parameter& p) { return std::isfinite(p.prior_sigma); }
 
 class StatementTest {
@@ -96,7 +96,7 @@ class StatementTest {
       if (culprit->error) noise_ *= adjust_to_noise(options_, now_);
     }
     now_.noise_factor *= noise_;
-    // By the last adjustment, in which all of them are released.
+    // Uses the last adjustment, which releases all of them.
     for (Contradiction& c : in_words(stated_, now_, released_, sigmas))
       found.contradictions.push_back(std::move(c));
     found.fit = std::move(now_);
@@ -107,14 +107,13 @@ class StatementTest {
   [[nodiscard]] const Site& site() const { return whole_.site; }
 
   struct Culprit {
-    Statement statement;  ///< released, where no error of the observations is the culprit
+    Statement statement;  ///< released assumption, unless `error` is the culprit
     Fit fit;
     double sigmas = 0.0;
-    std::optional<CommonError> error = {}, or_else = {};  ///< one that is as likely
+    std::optional<CommonError> error = {}, or_else = {};  ///< or_else: an equally likely error
   };
 
-  // Without a new solve
-  // -----------------------------------------------------------------------------------------------
+  // Suspects without a new adjustment
 
   struct Suspect {
     Statement statement;
@@ -169,7 +168,7 @@ class StatementTest {
     return found;
   }
 
-  /// lambda' C^+ lambda as a normal deviate; directions of which the data tell nothing do not count.
+  /// lambda' C^+ lambda as a normal deviate. Directions that the data do not determine do not count.
   static double released_sigmas(const Eigen::MatrixXd& C_lambda, const Eigen::VectorXd& lambda) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(C_lambda);
     Difference d{Eigen::VectorXd::Zero(0), {}, 0.0};
@@ -198,7 +197,7 @@ class StatementTest {
             (i == j ? p.prior_sigma * p.prior_sigma : 0.0) -
             C(place[static_cast<std::size_t>(columns[i])], place[static_cast<std::size_t>(columns[j])]);
     }
-    // What the data improve by less than a hundredth is the prior itself.
+    // A direction that the data improve by less than a hundredth is determined by the prior.
     for (Eigen::Index i = 0; i < d.v.size(); ++i) {
       const double prior2 =
           d.covariance(i, i) + C(place[static_cast<std::size_t>(columns[static_cast<std::size_t>(i)])],
@@ -219,7 +218,8 @@ class StatementTest {
     return variance > 0.01 ? std::abs(row.residual) / std::sqrt(variance) : 0.0;
   }
 
-  /// A control point most of whose arrivals were left out has no say any more: its innovation tells nothing.
+  /// Returns true for a control point most of whose arrivals were rejected, so that its innovation is not
+  /// informative.
   [[nodiscard]] bool is_mostly_left_out(const Statement& s) const {
     if (s.what != What::kControlPoint) return false;
     const RejectionCounts counts =
@@ -233,8 +233,7 @@ class StatementTest {
     return std::ranges::find(released_, s) != released_.end();
   }
 
-  // With one
-  // -----------------------------------------------------------------------------------------------------------
+  // Tests with a new adjustment
 
   [[nodiscard]] std::optional<Culprit> next_culprit() const {
     std::optional<Culprit> best;
@@ -242,8 +241,7 @@ class StatementTest {
       if (options_.is_stopped()) break;
       if (auto c = culprit(suspect.statement, best ? best->fit.cost : now_.cost)) best = std::move(c);
     }
-    // A wrong delay or speed of all bends what it can reach, and a good control point is the one to be
-    // blamed.
+    // A wrong common delay or speed distorts everything, and a correct control point may be blamed for it.
     if (best)
       for (const Statement& cause : stated_.common_causes())
         if (!is_released(cause))
@@ -262,10 +260,9 @@ class StatementTest {
     return best;
   }
 
-  // Errors of many observations
-  // -----------------------------------------------------------------------------------------
+  // Errors common to many observations
 
-  /// An error, where its removal makes the recording likelier beyond chance, by a length that matters.
+  /// Returns an error if its correction makes the recording significantly likelier, and by a relevant length.
   [[nodiscard]] std::optional<Culprit> culprit(const CommonError& error) const {
     std::optional<ErrorFit> without = fit_without(options_, now_, error);
     if (!without || without->error.sigmas < kErrorSigmas ||
@@ -274,7 +271,8 @@ class StatementTest {
     return Culprit{{}, std::move(without->fit), without->error.sigmas, without->error, {}};
   }
 
-  /// In words: a contradiction where it explains most of the misfit, or is of what cannot be a little so.
+  /// Reports an error: as a contradiction if it explains most of the misfit or is of a kind that is never
+  /// normal, otherwise as a warning.
   void say(const Culprit& c, StatementFindings& found) const {
     Contradiction what = contradiction_of(*c.error, site(), whole_.runs);
     if (c.or_else) what.found += ", or else " + contradiction_of(*c.or_else, site(), whole_.runs).found;
@@ -289,7 +287,8 @@ class StatementTest {
     found.errors.push_back(*c.error);
   }
 
-  /// A statement, where its release costs less than another explanation and it is contradicted then.
+  /// Returns an assumption if its release costs less than the other explanation, and the fit then contradicts
+  /// it.
   [[nodiscard]] std::optional<Culprit> culprit(const Statement& s, double other_cost) const {
     Culprit c{s, released(s), 0.0, {}, {}};
     if (!c.fit.ok || !(c.fit.cost < other_cost)) return {};
@@ -315,14 +314,14 @@ class StatementTest {
            d.length_m > kMatters * tolerance_m(whole_);
   }
 
-  /// What a fit in which the statement is not believed finds of it.
+  /// Difference between the site file and a fit in which the assumption is released.
   [[nodiscard]] Difference difference(const Statement& s, const Fit& fit) const {
     const Eigen::MatrixXd C = honest_covariance(options_, fit);
     Difference d;
     if (s.what == What::kDistance) return distance_difference(s, fit, C);
     std::vector<int> columns = columns_of(s, fit.layout);
-    // Receivers' heights are told by the inclination of the paths alone, where errors that depend on the
-    // angle go; no fix in the plane feels them.
+    // Only the inclination of the paths determines the heights of receivers, which absorb errors that depend
+    // on the angle. They do not affect fixes in the plane.
     if (s.what == What::kReceiver && site().motion == Motion::kPlanar)
       std::erase(columns, fit.layout.receiver[s.index][2]);
     d.v.resize(static_cast<Eigen::Index>(columns.size()));
@@ -354,7 +353,7 @@ class StatementTest {
     return d;
   }
 
-  /// By how much the beacons move where a coefficient of the attenuation is not believed.
+  /// Largest shift of a beacon if a coefficient of the attenuation is released.
   [[nodiscard]] double attenuation_length(const Statement&, const Fit& fit, const Difference&) const {
     const SharedState then = now_.state(), here = fit.state();
     double largest = 0.0;
@@ -366,11 +365,11 @@ class StatementTest {
 
   const Problem& whole_;
   const SolveOptions& options_;
-  Fit now_;  ///< all that was released stays so
+  Fit now_;  ///< with all released assumptions
   StatedSite stated_;
   std::vector<Statement> all_, released_;
-  std::vector<CommonError> errors_;  ///< hypotheses, by the residuals as stated
-  double noise_ = 1.0;               ///< by which arrivals are weighted now, over that at the beginning
+  std::vector<CommonError> errors_;  ///< hypotheses from the residuals of the original fit
+  double noise_ = 1.0;               ///< current noise of the arrivals relative to the original one
 };
 
 }  // namespace

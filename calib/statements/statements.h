@@ -15,34 +15,35 @@ namespace octant::calib {
 
 struct StatementFindings {
   std::vector<Contradiction> contradictions;
-  std::vector<std::string> warnings;  ///< of errors that explain only a part of the misfit
-  std::vector<CommonError> errors;    ///< that many observations have in common, the clearest first
-  std::optional<Fit>
-      fit;  ///< in which nothing that the data contradict is believed any more; none where nothing was tested
+  std::vector<std::string> warnings;  ///< errors that explain only a part of the misfit
+  std::vector<CommonError> errors;    ///< errors common to many observations, most significant first
+  std::optional<Fit> fit;  ///< fit with all contradicted assumptions released; no value without tests
 };
 
-/// Holds what the site file states against what the data say: control points, speed, delays (or that there
-/// are none), receivers, attenuation, taped distances, each against all others.
+/// Tests the assumptions of the site file against the data: control points, speed, delays (or their absence),
+/// receivers, attenuation, taped distances, each given all others.
 ///
-/// First without a new solve. A prior of sigma s that left its parameter at x with variance C is off by v = x
-/// - m of variance s^2 - C. A statement that is held (a control point, no delay) is a constraint with the
-/// multiplier lambda = the cost's gradient by it; released it would move by d = -(C_lambda)^+ lambda,
-/// C_lambda = H_ss - H_sf C H_fs, and the squares would drop by lambda' C_lambda^+ lambda. Only where one of
-/// them is beyond chance, or most arrivals of a control point were left out, the suspects are released one at
-/// a time and adjusted again, with all arrivals admitted. A suspect is contradicted where what the data then
-/// find (with the covariance that holds with their errors) and what was stated differ beyond chance,
-/// Bonferroni over all that is tested, and by a length that matters. Of several the one whose release
-/// explains most is the culprit; it stays released and the search goes on.
+/// The first step needs no new solution. A prior with mean m and sigma s whose parameter is adjusted to x
+/// with variance C deviates by v = x - m with variance s^2 - C. A fixed value (a control point, no delay) is
+/// a constraint whose multiplier lambda is the gradient of the cost. Its release would move it by d =
+/// -(C_lambda)^+ lambda with C_lambda = H_ss - H_sf C H_fs, and would reduce the squares by lambda'
+/// C_lambda^+ lambda.
 ///
-/// Errors that many observations have in common (common_errors.h: a clock that drifts or jumps, poses that
-/// are stamped late, a medium that changes) are suspects like the statements, so that one cause is preferred
-/// to several statements that would each have to be false. Each is taken out of the observations, which are
-/// adjusted again, and its size is refined. It is found where the likelihood, by the noise and the
-/// correlation that it leaves, gains more than chance. It contradicts what was stated where it explains most
-/// of the misfit; a smaller one is a warning. Of two that are equally likely both are named.
+/// If a deviation is significant, or most arrivals of a control point were rejected, each suspect is released
+/// and adjusted again with all arrivals admitted. It is contradicted if the value of this fit differs from
+/// the site file significantly (covariance with correlated errors, Bonferroni correction over all tests) and
+/// by a relevant length. The suspect whose release explains most is the culprit. It remains released and the
+/// search continues.
+///
+/// Errors that many observations have in common (common_errors.h: a clock that drifts or jumps, poses with a
+/// time lag, a medium that changes) are suspects too, so that one cause is preferred to several false
+/// assumptions. The observations are corrected for each error and adjusted again, and its size is refined. An
+/// error is found if the gain in likelihood, for the remaining noise and correlation, is significant. It is a
+/// contradiction if it explains most of the misfit, otherwise a warning. If two errors are equally likely,
+/// both are named.
 ///
 /// @param trajectories  solved at the estimate, outliers rejected
-/// Empty for sites of more than 2,000 parameters, which are not tested.
+/// @return empty for sites of more than 2,000 parameters, which are not tested
 [[nodiscard]] StatementFindings test_statements(const Problem& problem, const SolveOptions& options,
                                                 const Estimate& estimate,
                                                 const std::vector<Trajectory>& trajectories);

@@ -14,13 +14,12 @@ namespace octant::calib {
 namespace {
 
 constexpr std::size_t kArrivalsNeeded = 20;
-/// A receiver is suspected when its ranges are off by this much more than the noise, and fit another place as
-/// well as this.
+/// A receiver is suspected if its residuals exceed the noise kOffSigmas times. Another position explains them
+/// if the residuals decrease to the share kBetter.
 constexpr double kOffSigmas = 4.0, kBetter = 0.3;
 constexpr double kMedianOfNormal = 0.6745;
 
-/// Median size of the residuals, in sigmas, that the ranges of receiver r would have if it stood at the place
-/// of s.
+/// Median size of the residuals, in sigmas, of the ranges of receiver r at the position of receiver s.
 double misfit(const Adjusted& f, const SharedState& state, ReceiverId r, ReceiverId s, std::size_t& count) {
   std::vector<double> sizes;
   for (const Trajectory& t : f.trajectories)
@@ -34,7 +33,8 @@ double misfit(const Adjusted& f, const SharedState& state, ReceiverId r, Receive
   return median(std::move(sizes)) / kMedianOfNormal;
 }
 
-/// Receivers at the places that the site file states, as an exchanged one may have been dragged along.
+/// Returns the state with receivers at the positions of the site file; the adjustment may have displaced an
+/// exchanged receiver.
 SharedState with_stated_receivers(const Adjusted& f) {
   SharedState state = f.state;
   for (std::size_t r = 0; r < f.site.receivers.size(); ++r)
@@ -43,7 +43,8 @@ SharedState with_stated_receivers(const Adjusted& f) {
 }
 
 struct SuspectReceiver {
-  ReceiverId receiver, fits;  ///< fits: whose place its ranges fit; not valid(): nobody's
+  /// receiver: suspect; fits: receiver whose position its ranges fit; not valid() if no position fits
+  ReceiverId receiver, fits;
   double sigmas = 0.0;
 };
 

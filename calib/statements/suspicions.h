@@ -16,11 +16,11 @@ struct Adjusted {
   const Site& site;
   const SharedState& state;
   const std::vector<Trajectory>& trajectories;
-  double stride = 1.0;  ///< one of so many stops is there
+  double stride = 1.0;  ///< one of every `stride` stops is included
 };
 
-/// What an adjustment shows of the logs: receivers whose ranges fit the place of another one (exchanged
-/// cables) or no place at all, and jumps of a clock between stops. Jumps are added to the runs' health too.
+/// Checks the logs by an adjustment: receivers whose ranges fit the position of another receiver (exchanged
+/// cables) or no position, and jumps of a clock between stops. Adds the jumps to the health of the runs.
 [[nodiscard]] std::vector<Finding> suspicions(const Adjusted& adjusted, std::vector<RunHealth>& runs);
 
 }  // namespace octant::calib
