@@ -23,20 +23,21 @@
 namespace octant::calib {
 namespace {
 
-/// Of a half, adjusted; and the stops that are held against it.
+/// Subsamples: of the adjusted half, and of the stops whose clock offsets are estimated from it.
 constexpr SubsampleOptions kHalf = {.instants = 40, .per_beacon = 30, .per_pair = 4};
 constexpr SubsampleOptions kAllStops = {.instants = 400, .per_beacon = 0, .per_pair = 4};
-/// Along a drive ranges weigh as if they were known to this alone: odometry carries the states across a jump.
+/// Sigma of ranges along a drive. It is large, so that odometry carries the states across a jump.
 constexpr double kLooseRangeM = 0.3;
-/// Ranges from places that a half tells may be off by this where the other half stood elsewhere.
+/// Uncertainty of ranges to beacons that one half determines, for vehicle positions of the other half.
 constexpr double kOtherHalfUncertaintyM = 0.1;
-/// Such a jump is told by its significance; whether it explains the recording is seen afterwards.
+/// Least size of a jump. Jumps are found by their significance, and it is examined later if they explain the
+/// recording.
 constexpr double kSmallestJumpM = 0.01;
-/// Arrivals between the times by which one jump is told twice, at most.
+/// Maximum number of arrivals between two estimates of the time of one jump.
 constexpr std::ptrdiff_t kSameJump = 128;
-/// Beside a jump, steps below this share of it are what a half that was bent by it leaves.
+/// Steps below this share of a known jump are distortions that the jump caused in the adjusted half.
 constexpr double kBesides = 0.25;
-/// Of one recording. More are no jumps of a clock.
+/// Maximum number of jumps in one recording. More have another cause.
 constexpr std::size_t kMostJumps = 5;
 
 MeasurementLog half_of(const MeasurementLog& run, LogHalf half) {
@@ -50,8 +51,9 @@ MeasurementLog half_of(const MeasurementLog& run, LogHalf half) {
   return part;
 }
 
-/// Trajectories of the run where the beacons are that `adjusted` tells.
-/// @param settle  bool(Trajectory&, const EpochFixModel&, const SharedState&): false leaves it out
+/// Trajectories of the run, solved for the beacon positions in `adjusted`.
+/// @param solve_states  bool(Trajectory&, const EpochFixModel&, const SharedState&); false omits the
+/// trajectory
 template <class Solve>
 std::vector<Trajectory> solved_by(Site site, const MeasurementLog& run, const Estimate& adjusted, int threads,
                                   Solve solve_states) {
@@ -64,7 +66,7 @@ std::vector<Trajectory> solved_by(Site site, const MeasurementLog& run, const Es
   return std::move(problem->trajectories);
 }
 
-/// Stops of the run, each with a clock of its own.
+/// Stops of the run, each with its own clock offset.
 std::vector<Trajectory> stops_with_clocks(const Site& site, const MeasurementLog& run,
                                           const Estimate& adjusted, int threads) {
   Site loose = site;
@@ -72,12 +74,12 @@ std::vector<Trajectory> stops_with_clocks(const Site& site, const MeasurementLog
   return solved_by(std::move(loose), run, adjusted, threads,
                    [&](Trajectory& t, const EpochFixModel& model, const SharedState&) {
                      static_cast<void>(place_states(t, model, kOtherHalfUncertaintyM, false, 0.0, threads));
-                     t.has_cycle_offset = false;  // what is looked for is no offset of the site's clock
+                     t.has_cycle_offset = false;  // the estimated offset is not one of the site's clock model
                      return true;
                    });
 }
 
-/// Drives of the run, by odometry and ranges that weigh little.
+/// Drives of the run, solved by odometry and ranges of low weight.
 std::vector<Trajectory> drives_by_loose_ranges(const Site& site, const MeasurementLog& run,
                                                const Estimate& adjusted, int threads) {
   const double loose_s = kLooseRangeM / speed_mps(site.medium);
@@ -95,7 +97,8 @@ std::vector<Trajectory> drives_by_loose_ranges(const Site& site, const Measureme
   return solved_by(site, run, adjusted, threads, by_odometry);
 }
 
-/// What the run shows of the clock at the places that one half tells; nothing where it tells none.
+/// Steps of the clock in the run for the beacon positions that one half determines; empty if it determines
+/// none.
 std::vector<ClockStep> jumps_by(const Site& site, const MeasurementLog& half, const MeasurementLog& run,
                                 const SolveOptions& options) {
   const auto problem = make_problem(site, {subsample(half, site, kHalf)}, options.threads);
@@ -110,7 +113,7 @@ std::vector<ClockStep> jumps_by(const Site& site, const MeasurementLog& half, co
                              found.estimate.state(), kSmallestJumpM);
 }
 
-/// The jump of which a step is what is left of it; null: it is one of its own.
+/// Finds the jump of which a step is the remainder; null if the step is a separate jump.
 ClockStep* same_jump(const ClockStep& left, const MeasurementLog& run, std::vector<ClockStep>& jumps) {
   const auto is_same = [&](const ClockStep& jump) {
     const auto span = std::minmax(jump.time_s, left.time_s);
@@ -124,9 +127,9 @@ ClockStep* same_jump(const ClockStep& left, const MeasurementLog& run, std::vect
 
 bool is_smaller(const ClockStep& a, const ClockStep& b) { return std::abs(a.step_s) < std::abs(b.step_s); }
 
-/// Adds what is left of jumps to them, and the largest of the other steps as a jump of its own: what it has
-/// bent shows steps beside it, which are gone when it is.
-/// @return whether there is a new one
+/// Adds the remaining steps to known jumps, and the largest of the other steps as a new jump. The distortion
+/// by a jump causes further steps, which disappear with it.
+/// @return true if a jump was added
 bool add(const std::vector<ClockStep>& left, const MeasurementLog& run, std::vector<ClockStep>& jumps) {
   std::vector<ClockStep> others;
   for (const ClockStep& step : left)
@@ -151,8 +154,8 @@ std::vector<ClockStep> clock_jumps(const Site& site, const MeasurementLog& run, 
   const bool is_drive = !run.has_epochs && !run.odometry.empty();
   if (!(run.has_epochs || is_drive) || run.arrivals.empty() || site.timing.clock == Clock::kCycleOffset)
     return {};
-  // A jump bends all by which it is measured: one after the other is taken back, gross ones as well as the
-  // ranges alone tell them, and what is left is told then.
+  // A jump distorts the solution in which it is measured. Jumps are therefore corrected one after the other,
+  // the largest first by the ranges alone, and the remainder is measured again.
   std::vector<ClockStep> jumps = steps_in_ranges(site, run);
   for (std::size_t round = 0; round < kMostJumps; ++round) {
     MeasurementLog rest = run;
@@ -189,8 +192,8 @@ std::vector<std::pair<double, double>> offsets_of_stops(const Site& site, const 
   return offsets;
 }
 
-/// Growth of offsets from the first to the last, by the median of the slopes of all pairs (Theil 1950, Sen
-/// 1968); none where they scatter about that line by more than a part of it.
+/// Growth of the offsets from the first to the last, from the median of the slopes of all pairs (Theil 1950,
+/// Sen 1968). No value if they scatter about that line by too large a share of the growth.
 std::optional<double> growth_of(const std::vector<std::pair<double, double>>& offsets) {
   constexpr std::size_t kFewest = 8;
   constexpr double kScatter = 0.1;  // of the growth

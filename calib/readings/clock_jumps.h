@@ -12,25 +12,25 @@ namespace octant::calib {
 
 enum class LogHalf { kFirst, kLast };
 
-/// Jumps of a clock during a recording, as one half of it shows them: the half is adjusted by itself, and
-/// every stop then has a clock offset of its own (four beacons or more heard); along a drive, what its ranges
-/// of a moment are off by together is looked at. An adjustment of the whole bends to a jump, so that its
-/// offsets no longer show it; of two halves one is without it. Evenly spread stops are looked at, some
-/// hundreds, or stretches of a drive. A gross jump is first taken back as the ranges alone show it. None
-/// where each epoch has a clock of its own, or none is told.
+/// Finds jumps of a clock during a recording by one half of it. The half is adjusted by itself. Each stop
+/// with four or more beacons then gets its own clock offset; along a drive, the common deviation of the
+/// ranges at each time is examined. An adjustment of the whole recording would adapt to the jump and hide it,
+/// but one of the halves is free of it. Some hundred evenly spread stops, or segments of a drive, are
+/// examined. Large jumps that the ranges alone show are corrected first.
+/// @return empty if each epoch has its own clock offset, or if no offset can be determined
 [[nodiscard]] std::vector<ClockStep> clock_jumps(const Site& site, const MeasurementLog& run, LogHalf half,
                                                  const SolveOptions& options = {});
 
-/// Takes the jumps away: times of flight after each as the clock before it would have had them.
+/// Corrects the times of flight after each jump to the clock before it.
 void without_jumps(const std::vector<ClockStep>& jumps, MeasurementLog& run);
-/// A clock that jumped between two stops, taken back, as either half of the recordings shows it; none where
-/// none is seen.
+/// Hypotheses that a clock jumped, with the jumps that either half of the recordings shows; empty without
+/// jumps.
 [[nodiscard]] std::vector<Reading> jumped_clocks(const Site& site, const std::vector<MeasurementLog>& runs,
                                                  const SolveOptions& options);
 
-/// A clock that drifts so much that no stop fits as stated: with a clock offset of its own each stop has a
-/// place, and the offsets lie on a line. None of drives, of clocks that have such offsets by design, and
-/// where the offsets show no line.
+/// Hypotheses that a clock drifts so much that no stop agrees. With separate clock offsets the stops have
+/// poses, and the offsets are linear in time. Empty for drives, for clocks with an offset for each epoch, and
+/// if the offsets are not linear.
 [[nodiscard]] std::vector<Reading> drifting_clocks(const Site& site, const std::vector<MeasurementLog>& runs,
                                                    const SolveOptions& options);
 

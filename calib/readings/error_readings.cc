@@ -12,7 +12,7 @@
 namespace octant::calib {
 namespace {
 
-/// With an error of that kind and of any size, of either sign.
+/// Hypotheses with a common error of some kind, of either sign and any size from `least` to `most`.
 ReadingFamily with_error(CommonError error, double least, double most, const Site& site,
                          const std::vector<MeasurementLog>& runs) {
   std::vector<std::pair<double, double>> spans_s;

@@ -9,9 +9,8 @@
 
 namespace octant::calib {
 
-/// Odometry whose way is too long or too short (wheels of another diameter), or whose turns are (wheels
-/// farther apart), by one part in a hundred to a half; none where there is none, or it is in space. The site
-/// and the runs outlive it.
+/// Hypotheses on the scale of odometry: distances (wheel diameter) or turns (wheel distance) too large or too
+/// small by 1 % to 50 %. Empty without planar odometry. Site and runs must outlive the result.
 [[nodiscard]] std::vector<ReadingFamily> odometry_of_other_scale(const Site& site,
                                                                  const std::vector<MeasurementLog>& runs);
 

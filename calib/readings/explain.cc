@@ -18,9 +18,9 @@
 namespace octant::calib {
 namespace {
 
-/// How an outcome looks that is worth a search.
+/// Limits from which an outcome is worth a search.
 constexpr double kEarlyShare = 0.05, kNoiseRatio = 3.0, kDraggedSigmas = 6.0;
-/// Noise over the stated one where residuals are alike from one arrival to the next: more than bad weather.
+/// Ratio of the estimated noise to the expected one if residuals are correlated; weather alone causes less.
 constexpr double kCorrelatedNoiseRatio = 1.5;
 constexpr std::size_t kEarlyAtLeast = 10;
 
@@ -36,7 +36,7 @@ bool is_dragged(const Problem& problem, const Solution& solution) {
   return false;
 }
 
-/// Stops that hear enough beacons for a place, and have none.
+/// Returns true if many stops receive enough beacons for a pose and have no pose.
 bool are_stops_without_place(const Solution& solution) {
   constexpr double kMany = 0.25;
   constexpr std::size_t kBeacons = 4;
@@ -55,12 +55,12 @@ bool are_stops_without_place(const Solution& solution) {
   return static_cast<double>(without) > kMany * static_cast<double>(stops);
 }
 
-/// Noise of the arrivals over the stated one.
+/// Ratio of the estimated noise of the arrivals to the noise in the site file.
 double noise_ratio(const Problem& problem, const Solution& solution) {
   return problem.site.noise.tof_sigma_s > 0 ? solution.tof_sigma_s / problem.site.noise.tof_sigma_s : 1.0;
 }
 
-/// Errors that many observations have in common have explained all.
+/// Returns true if errors common to many observations explain everything.
 bool is_explained(const Solution& solution) {
   constexpr double kNoiseOfAll = 1.5;
   return !solution.contradictions.empty() &&
@@ -68,7 +68,8 @@ bool is_explained(const Solution& solution) {
          solution.common_errors.front().noise_left < kNoiseOfAll;
 }
 
-/// A misfit that no error explains is no noise: nobody states the noise so wrongly, and noise is white.
+/// Reports a large, correlated misfit that no error explains. A wrong noise in the site file is not the
+/// cause, because noise is white and rarely so wrong.
 std::optional<Contradiction> unexplained_misfit(const Problem& problem, const Solution& solution) {
   constexpr double kMisfit = 5.0;
   const double ratio = noise_ratio(problem, solution);
@@ -85,7 +86,7 @@ std::optional<Contradiction> unexplained_misfit(const Problem& problem, const So
       "known places and calibrate with that alone"};
 }
 
-/// Where stops that receive enough beacons have no place, their arrivals contradict what was stated.
+/// Reports stops that receive enough beacons and have no pose: their arrivals contradict an assumption.
 std::optional<Contradiction> stops_without_place(const Solution& solution) {
   if (solution.status != SolveStatus::kConverged || !are_stops_without_place(solution)) return {};
   return Contradiction{ContradictionKind::kLog,
@@ -98,7 +99,8 @@ std::optional<Contradiction> stops_without_place(const Solution& solution) {
                        "with the part before it"};
 }
 
-/// Where much is left out, and not as echoes are late, something that was stated is wrong, whatever it is.
+/// Reports that many arrivals are rejected, many of them early. These are no echoes, so some assumption is
+/// wrong.
 std::optional<Contradiction> many_early(const Problem& problem, const Solution& solution) {
   constexpr double kMuchLeftOut = 0.3, kMuchEarly = 0.1;
   if (solution.status != SolveStatus::kConverged) return {};
@@ -119,8 +121,8 @@ std::optional<Contradiction> many_early(const Problem& problem, const Solution& 
       "and frames; then calibrate again"};
 }
 
-/// Noise many times the stated one that no hypothesis explains. People misjudge their noise by a factor of a
-/// few; a factor of ten is a misfit.
+/// Reports noise far above that of the site file that no hypothesis explains. Users misjudge their noise by a
+/// small factor; a factor of ten is a misfit.
 std::optional<Contradiction> unexplained_noise(const Problem& problem, const Solution& solution) {
   constexpr double kUnexplainedRatio = 10.0;
   const double stated_s = problem.site.noise.tof_sigma_s;
@@ -145,7 +147,7 @@ bool seems_misread(const Problem& problem, const Solution& solution) {
   const std::size_t early = n.of(Rejection::kEarly);
   if (n.all() == 0 || solution.status == SolveStatus::kInterrupted) return false;
   if (solution.status == SolveStatus::kNotConverged || solution.beacon_status.empty())
-    return true;  // nothing came of it
+    return true;  // there is no solution
   if (early >= kEarlyAtLeast && static_cast<double>(early) > kEarlyShare * static_cast<double>(n.all()))
     return true;
   if (are_many_left_out(problem, solution)) return true;
@@ -156,7 +158,7 @@ bool seems_misread(const Problem& problem, const Solution& solution) {
 
 namespace {
 
-/// Looks for what else may be false. Where something is, that takes the place of what was found before.
+/// Searches for another false assumption. If one is found, it replaces the contradictions found before.
 void search(const Problem& problem, const Problem& adjusted, Solution& solution,
             const SolveOptions& options) {
   const bool misread = seems_misread(adjusted, solution);
@@ -185,7 +187,7 @@ void explain_misfit(const Problem& problem, const Problem& adjusted, Solution& s
     solution.message = "the recordings do not fit what was stated, and nothing is exported";
     solution.weak.clear();
   } else if (const double ratio = noise_ratio(adjusted, solution); ratio > kNoiseRatio) {
-    // Sigmas are so large because nothing fits, and more recordings of this kind would not help.
+    // The sigmas are large because nothing agrees. More recordings of this kind would not help.
     solution.message = fmt::format(
         "the arrivals do not fit what was stated: residuals are {:.3g} times as large as stated, and no "
         "single error that was tried explains them; nothing is exported",

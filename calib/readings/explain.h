@@ -8,15 +8,15 @@
 
 namespace octant::calib {
 
-/// Whether a calibration came out as one does whose site file or log is wrong as a whole: no or a poor
-/// outcome, many arrivals left out, more than a few of them early, which no echo can be, noise many times the
-/// stated one, or a receiver dragged from its place.
+/// Returns true if an outcome suggests that a site file or log is wrong as a whole: no solution or a poor
+/// one, many rejected arrivals, early arrivals that cannot be echoes, noise far above the expected one, or a
+/// receiver displaced from its position.
 [[nodiscard]] bool seems_misread(const Problem& problem, const Solution& solution);
 
-/// Where the outcome looks as if the site file or a log were wrong as a whole, names what is (readings.h): as
-/// contradictions, in place of others, which are its consequences, and in the message of a refusal, in place
-/// of a measurement that would not help.
-/// @param adjusted  what the solution is of: the problem, or a subsampled one
+/// If the outcome suggests that the site file or a log is wrong as a whole, searches for the cause
+/// (readings.h). A cause replaces the other contradictions, which are its consequences, and in the message of
+/// a refusal it replaces the advice to record more.
+/// @param adjusted  problem of the solution: `problem` itself, or a subsampled one
 void explain(const Problem& problem, const Problem& adjusted, Solution& solution,
              const SolveOptions& options);
 

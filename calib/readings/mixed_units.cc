@@ -13,26 +13,27 @@ namespace octant::calib {
 namespace {
 
 constexpr double kOnePlaceS = 0.25, kQuickestMps = 5.0;
-constexpr std::size_t kRowsOfOnePlace = 40;  ///< arrivals in a row that may be of one place
-constexpr std::size_t kBracketPairs = 10;    ///< of ranges, for a bracket
-/// Echoes and a few early arrivals are beyond these shares of sums and differences.
+constexpr std::size_t kRowsOfOnePlace = 40;  ///< consecutive arrivals that may belong to one place
+constexpr std::size_t kBracketPairs = 10;    ///< pairs of ranges for a bracket
+/// Quantiles of sums and differences that exclude echoes and early arrivals.
 constexpr double kEarlySums = 0.05, kLateDifferences = 0.2;
-constexpr double kStatedSlack = 0.03;  ///< of the distance: stated places, speed and delays are rough
-constexpr double kWorstBreak = 0.25;   ///< of the distance: a bracket that is broken by more is as bad
-constexpr double kFarBetter = 0.3;     ///< of what metres for all break
-constexpr double kIndifferentShare =
-    0.05;  ///< of it: a beacon that makes no more difference may be in or out
+/// Share of the distance, because positions, speed and delays are approximate
+constexpr double kStatedSlack = 0.03;
+/// Share of the distance; a larger violation of a bracket counts the same
+constexpr double kWorstBreak = 0.25;
+constexpr double kFarBetter = 0.3;          ///< share of the violation with metres for all
+constexpr double kIndifferentShare = 0.05;  ///< share of it; a beacon that changes less may be in either unit
 constexpr std::size_t kMostShares = 8;
-/// Sites of more beacons are descended from two starts only: the cost grows with the cube of the beacons.
+/// Number of beacons above which the search has two starting points only, because its cost is cubic.
 constexpr std::size_t kMostStarts = 40;
 
-/// What ranges from the same places say of the distance of two beacons.
+/// Bounds on the distance of two beacons by ranges from the same places.
 struct Bracket {
   std::size_t a, b;
   double least_m, most_m;
 };
 
-/// Sums and differences of two beacons' ranges, less and more what their places may be apart.
+/// Sums and differences of two beacons' ranges, corrected for the possible distance of the places.
 struct Ranges {
   std::vector<double> sums, differences;
 };
@@ -56,7 +57,7 @@ void add_pairs(const Site& site, const MeasurementLog& run,
     }
 }
 
-/// The shares of beacons, and what they break.
+/// Assignments of beacons to units, and their violations of the brackets.
 class Shares {
  public:
   Shares(const Site& site, const std::vector<MeasurementLog>& runs, const LengthUnit& unit)
@@ -79,14 +80,14 @@ class Shares {
 
   [[nodiscard]] const std::vector<bool>& placed() const { return placed_; }
 
-  /// Each broken bracket counts up to one.
+  /// Total violation; each bracket counts at most one.
   [[nodiscard]] double broken(const std::vector<bool>& in_unit) const {
     double sum = 0.0;
     for (const Bracket& k : brackets_) sum += broken(k, in_unit);
     return sum;
   }
 
-  /// The best from here on, one beacon at a time.
+  /// Descent from an assignment, one beacon at a time.
   [[nodiscard]] std::vector<bool> descended(std::vector<bool> in_unit) const {
     for (;;) {
       std::size_t flip = in_unit.size();
@@ -106,7 +107,8 @@ class Shares {
     }
   }
 
-  /// From none, all, and at sites of few beacons each beacon alone in the unit or out of it.
+  /// Best descent from several starts: all in metres, all in the unit, and at small sites each beacon alone
+  /// in either unit.
   [[nodiscard]] std::vector<bool> best() const {
     const std::vector<bool> none(placed_.size(), false);
     std::vector<std::vector<bool>> starts = {none, placed_};
@@ -143,7 +145,7 @@ class Shares {
   std::vector<bool> placed_;
   LengthUnit unit_;
   std::vector<Bracket> brackets_;
-  std::vector<std::vector<std::size_t>> of_beacon_;  ///< numbers of the brackets of each
+  std::vector<std::vector<std::size_t>> of_beacon_;  ///< indices of the brackets of each beacon
 };
 
 }  // namespace

@@ -9,11 +9,11 @@
 
 namespace octant::calib {
 
-/// Ways to share out the beacons among those whose positions the ranges put in a unit and those in metres:
-/// two ranges from one place differ by no more than their beacons' distance and add up to no less, which
-/// brackets each distance. The share that breaks the least, and it with beacons in or out that the brackets
-/// do not tell, as near the origin. None where that is not far better than metres for all, or is the unit for
-/// all.
+/// Assignments of beacons to two groups: positions in `unit` and positions in metres. The difference of two
+/// ranges from one place is at most the distance of their beacons, and their sum is at least that distance.
+/// This brackets each distance. The result has the assignment that violates the brackets least, and variants
+/// of it for beacons that the brackets do not determine, such as those near the origin. Empty if it is not
+/// far better than metres for all, or if all beacons have the other unit.
 [[nodiscard]] std::vector<std::vector<bool>> beacons_in_unit_by_ranges(
     const Site& site, const std::vector<MeasurementLog>& runs, const LengthUnit& unit);
 

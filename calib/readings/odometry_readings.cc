@@ -12,15 +12,15 @@
 namespace octant::calib {
 namespace {
 
-/// Where it is; empty: there is none, or it is in space.
+/// File with planar odometry; empty if there is none.
 std::string planar_odometry(const std::vector<MeasurementLog>& runs) {
   const auto run = run_of_planar_odometry(runs);
   return run ? runs[*run].path + "/odometry.csv" : "";
 }
 
-/// Factors by which steps are read.
+/// Factors on odometry steps.
 struct StepFactors {
-  double way = 1.0, side = 1.0, turn = 1.0;  ///< of dx, dy and dheading
+  double way = 1.0, side = 1.0, turn = 1.0;  ///< on dx, dy and dheading
 };
 
 Reading with_other_steps(std::string file, const char* stated, std::string found, std::string remedy,

@@ -10,12 +10,12 @@
 
 namespace octant::calib {
 
-/// The first run that has odometry; none where it is in space.
+/// First run with planar odometry; no value if there is none.
 [[nodiscard]] std::optional<std::size_t> run_of_planar_odometry(const std::vector<MeasurementLog>& runs);
-/// Odometry with the turns or the way of another sign, in degrees, centimetres or millimetres; none where
-/// there is none, or it is in space.
+/// Hypotheses that turns or distances of the odometry have the wrong sign, or are in degrees, centimetres or
+/// millimetres. Empty without planar odometry.
 [[nodiscard]] std::vector<Reading> other_odometry(const std::vector<MeasurementLog>& runs);
-/// Odometry that is stamped late or early; none where there is none, or it is in space.
+/// Hypotheses on a time lag of the odometry. Empty without planar odometry.
 [[nodiscard]] std::vector<ReadingFamily> odometry_stamped_late(const std::vector<MeasurementLog>& runs);
 
 }  // namespace octant::calib

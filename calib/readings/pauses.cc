@@ -15,9 +15,9 @@ namespace octant::calib {
 namespace {
 
 constexpr std::size_t kFewestPauses = 3, kRowsPerPause = 4;
-constexpr double kLongerThan = 3.0;  ///< times the longest gap within a stop
+constexpr double kLongerThan = 3.0;  ///< ratio of a pause to the longest gap within a stop
 
-/// The gap from which on one is a pause, by the widest step in the sorted gaps; 0: none stands out.
+/// Length of the shortest pause, by the widest step in the sorted gaps; 0 if no step is wide enough.
 double pause_s(std::vector<double> gaps_s) {
   std::ranges::sort(gaps_s);
   const std::size_t most = gaps_s.size() / kRowsPerPause;

@@ -10,13 +10,14 @@
 
 namespace octant::calib {
 
-/// Numbers the stops of a recording by the pauses between its arrivals: gaps several times longer than those
-/// between the arrivals of a stop. Only where nothing else tells how the vehicle moved (no epochs, or one for
-/// all; no odometry, no measured poses).
-/// @return  number of stops, now numbered; 0: the recording has other motion, or no such pauses, and is left
-/// as it was
+/// Numbers the stops of a recording by pauses: gaps several times longer than those between the arrivals of a
+/// stop. Only for recordings without other information on the motion (no epochs, or one for all; no odometry,
+/// no measured poses).
+/// @return number of stops, now numbered; 0 if the recording is unchanged, because its motion is known or it
+/// has no such pauses
 std::size_t number_stops(MeasurementLog& run);
-/// Stops that no epoch column tells apart, or all under one number, numbered so; none where there are none.
+/// Hypotheses that stops without epochs, or with one epoch for all, are separated by pauses. Empty without
+/// pauses.
 [[nodiscard]] std::vector<Reading> numbered_stops(const std::vector<MeasurementLog>& runs);
 
 }  // namespace octant::calib

@@ -24,7 +24,7 @@ std::string file_of_poses(const std::vector<MeasurementLog>& runs) {
   return posed == runs.end() ? "poses.tum" : posed->path + "/" + pose_file(*posed);
 }
 
-/// Reflected at a plane of the map through the z axis, whose normal is (nx, ny): M T M' with M also for the
+/// Reflects a pose at a plane of the map through the z axis with normal (nx, ny): M T M' with M also for the
 /// vehicle's y axis.
 Pose reflected(const Pose& pose, double nx, double ny) {
   const Eigen::Vector3d n(nx, ny, 0.0);
@@ -37,8 +37,7 @@ Pose reflected(const Pose& pose, double nx, double ny) {
   return out;
 }
 
-/// A way in which poses are written in a left-handed frame: some axis of the map, and with it the sense of
-/// turning, is the other way round.
+/// A left-handed frame of poses: an axis of the map, and with it the sense of rotation, is reversed.
 struct Reflection {
   const char* words;
   Pose (*read)(const Pose&);  ///< the pose in the right-handed frame
@@ -61,7 +60,8 @@ const Reflection kReflections[] = {
      }},
 };
 
-/// Calls visit(time_s) for some arrivals, evenly spread. @return for which share of them it is true
+/// Calls visit(time_s) for some evenly spread arrivals.
+/// @return share of them for which it is true
 template <class Visit>
 double share_of_arrivals(const MeasurementLog& run, Visit&& visit) {
   constexpr std::size_t kArrivals = 500;
@@ -77,7 +77,8 @@ std::optional<Pose> measured_pose_at(const MeasurementLog& run, double time_s) {
                                                                                  : std::nullopt;
 }
 
-/// Whether the vehicle moves, by its measured poses, while something is heard, so that their clock matters.
+/// Returns true if the vehicle moves at enough of the arrivals, by its measured poses, so that the clock of
+/// the poses matters.
 bool are_poses_of_motion(const MeasurementLog& run) {
   constexpr double kApart_s = 0.5, kSlowest_mps = 0.03, kMovingShare = 0.1;
   return share_of_arrivals(run, [&](double time_s) {
@@ -88,7 +89,7 @@ bool are_poses_of_motion(const MeasurementLog& run) {
          }) > kMovingShare;
 }
 
-/// Share of the arrivals at whose time there is a measured pose, with the poses' stamps so late.
+/// Share of the arrivals with a measured pose at their time, if the poses' time stamps are late by lag_s.
 double share_with_pose(const MeasurementLog& run, double lag_s) {
   return share_of_arrivals(run,
                            [&](double time_s) { return measured_pose_at(run, time_s + lag_s).has_value(); });

@@ -13,34 +13,33 @@
 
 namespace octant::calib {
 
-/// The statements as they might be meant: another site, or other recordings.
+/// A hypothesis on the inputs: the site file or a log may mean something else than it says.
 struct Reading {
-  Contradiction what;                                         ///< if it is what is meant; without `sigmas`
-  std::function<Site(const Site&)> site;                      ///< empty: as stated
-  std::function<void(std::size_t run, MeasurementLog&)> log;  ///< of each run; empty: as recorded
-  /// `log` is of the whole recording, before a part is taken and rows are summed up.
+  Contradiction what;                     ///< contradiction to report if it is true; without `sigmas`
+  std::function<Site(const Site&)> site;  ///< changed site; empty: unchanged
+  std::function<void(std::size_t run, MeasurementLog&)> log;  ///< changes a run; empty: unchanged
+  /// `log` must be applied to the whole recording, before subsampling.
   bool is_of_whole = false;
 };
 
-/// Readings that differ by one number: by how much a clock is late, or a way too long.
+/// Hypotheses that differ by one number, such as a time lag or a scale error.
 struct ReadingFamily {
   std::function<Reading(double size)> reading;
-  double least = 0.0, most = 0.0;           ///< sizes that are looked at, of either sign
-  std::function<bool(double)> may_be = {};  ///< whether a size explains anything; empty: all do
+  double least = 0.0, most = 0.0;           ///< range of sizes, of either sign
+  std::function<bool(double)> may_be = {};  ///< false for sizes that explain nothing; empty: all may
 };
 
-/// Rows of a file whose clock is late or early against the arrivals', by up to some two seconds.
+/// Hypotheses on the time lag of a file against the arrivals, up to about two seconds.
 /// @param subject, are_stamped  "in poses.tum", "they are stamped"
 /// @param take_back  makes a run's times earlier by a lag
 [[nodiscard]] ReadingFamily of_other_clock(ContradictionKind kind, const std::string& subject,
                                            const std::string& file, const std::string& are_stamped,
                                            void (*take_back)(double lag_s, MeasurementLog& run));
 
-/// The size that explains the recordings best: steps by factors of two, the best of them refined to a part in
-/// a hundred.
-/// @param loss  of the recordings when a size is taken back; some thirty are asked for
-/// @param loss_of_none  of the recordings as they are: of the steps one at least leaves a third of an error
-/// or less, so where none of them explains more there is no such error, and nothing is refined or returned
+/// Size that explains the recordings best: steps by factors of two, the best of them refined to one percent.
+/// @param loss  loss of the recordings after correction for a size; called about thirty times
+/// @param loss_of_none  loss without a correction. One of the steps reduces any error to a third or less. If
+/// no step reduces the loss there is no such error, and the result has no value.
 [[nodiscard]] std::optional<double> likeliest_size(double least, double most, double loss_of_none,
                                                    const std::function<double(double)>& loss);
 

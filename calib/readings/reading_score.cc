@@ -14,13 +14,13 @@
 namespace octant::calib {
 namespace {
 
-/// Observations that tie the states beside the arrivals.
+/// Number of observations of the states other than arrivals.
 double ties_of(const Trajectory& t) {
   return pose_dof(t.motion) * static_cast<double>(t.odometry.size() + t.poses.size()) +
          static_cast<double>(t.bearings.size());
 }
 
-/// Beacons that have a stated place, and no prior of it any more.
+/// Number of beacons whose position in the site file is no longer a prior.
 std::size_t disregarded_places(const Site& site, const ParameterLayout& layout) {
   std::size_t count = 0;
   for (std::size_t b = 0; b < site.beacons.size(); ++b) {
@@ -42,7 +42,7 @@ double mean_delay_s(const SharedState& state) {
   return state.site_delay_s + mean(state.beacon_delay_s) + mean(state.receiver_delay_s);
 }
 
-/// Fills what the adjusted states say of the arrivals.
+/// Fills the fields that depend on the residuals of the arrivals.
 void judge_arrivals(const Estimate& it, const std::vector<Trajectory>& trajectories, double cap, double n,
                     ReadingScore& score) {
   const SharedState state = it.state();

@@ -23,22 +23,22 @@
 namespace octant::calib {
 namespace {
 
-/// How much better a reading must be: by so much log likelihood an arrival, and by such a factor; and good by
-/// itself.
+/// Requirements on a hypothesis: gain in log-likelihood per arrival, ratio of the losses, share of agreeing
+/// arrivals, noise, and redundancy per arrival.
 constexpr double kGain = 0.5, kFactor = 0.6, kAgreeingShare = 0.6, kNoise = 5.0, kRedundant = 0.2;
-/// With this share of the arrivals, of about the stated noise, a reading has explained all.
+/// A hypothesis explains everything if this share of the arrivals agrees with about the expected noise.
 constexpr double kAllAgree = 0.95, kNoiseOfAll = 1.5;
-/// Share of the arrivals that may agree less than as stated: what stands at the limit.
+/// Share by which fewer arrivals may agree than before, because some are near the limit.
 constexpr double kFewer = 0.02;
-/// Readings within this much log likelihood an arrival are equally good.
+/// Difference of log-likelihood per arrival below which hypotheses are equally good.
 constexpr double kTie = 0.05;
-/// Parts of the recordings that are adjusted: a small one for each reading, a larger one for those few that
+/// Adjusted parts of the recordings: a small one for each hypothesis, and a larger one for the few that
 /// explain it far better.
 constexpr LogShare kFirstShare = {16, 12, 600, 8}, kSecondShare = {40, 30, 1500, 16};
-constexpr double kWorthASecondTrial = 0.8;  ///< of the loss as stated
-constexpr std::size_t kSecondTrials = 2;    ///< of each kind
-constexpr double kPlainSigmas = 8.0;        ///< by which a reading must explain more than what was stated
-/// Sigmas of places that the poses alone are to tell.
+constexpr double kWorthASecondTrial = 0.8;  ///< share of the loss without a hypothesis
+constexpr std::size_t kSecondTrials = 2;    ///< maximum number for each kind
+constexpr double kPlainSigmas = 8.0;        ///< significance of a gain without further requirements
+/// Sigmas of receivers and control points whose positions only the poses are to determine.
 constexpr double kLooseReceiver_m = 0.5, kLoosePoint_m = 1.0;
 
 class Search {
@@ -49,7 +49,7 @@ class Search {
       v.array.reset();  // an array that is adjusted as a whole has one order of receivers
   }
 
-  /// What is blamed on a control point, or on anything.
+  /// Searches for other causes of contradictions, first of those of control points.
   std::vector<Contradiction> other_culprits() {
     score_as_stated();
     if (is_blamed(ContradictionKind::kControlPoint)) try_exchanged_points();
@@ -67,8 +67,8 @@ class Search {
   std::vector<Contradiction> run() {
     score_as_stated();
     const bool jumps = ranges_show_a_jump(site_, problem_.runs);
-    // What the ranges alone show has the first turn: beside such a jump every other look is long, and vain.
-    // Causes that all arrivals have in common explain all of them, or nothing.
+    // If the ranges alone show a jump, it is examined early, because other searches would be long and
+    // useless. Before it come causes common to all arrivals, which explain all of them or none.
     try_out(common_delay(site_, problem_.typical_range_m));
     try_out(heights_downwards(site_));
     try_out(drifting_clocks(site_, problem_.runs, options_));
@@ -86,7 +86,7 @@ class Search {
     if (nothing_but_exchanges())
       try_out(scale_is_right ? other_units(site_, second_, true) : scales(),
               is_blamed(ContradictionKind::kSpeed));
-    // A wrong frame, or odometry that counts backward, looks much like receivers in another unit.
+    // A wrong frame or reversed odometry resembles receivers in another unit.
     const std::vector<Reading> odometry =
         is_explained() ? std::vector<Reading>() : other_odometry(problem_.runs);
     try_out(odometry);
@@ -107,9 +107,9 @@ class Search {
     ReadingScore score;
   };
   static constexpr double kScaleAgrees =
-      0.5;  ///< a share of agreeing arrivals that no wrong scale of all leaves
+      0.5;  ///< share of agreeing arrivals that excludes a wrong scale of everything
 
-  /// Readings by which everything is larger or smaller.
+  /// Hypotheses that scale everything.
   [[nodiscard]] std::vector<Reading> scales() const {
     std::vector<Reading> readings = other_units(site_, second_, false);
     for (Reading& reading : other_ranging(site_)) readings.push_back(std::move(reading));
@@ -123,15 +123,15 @@ class Search {
     stated_ = score_of(site_, second_, options_, true);
   }
 
-  /// Two points at each other's places take a part of what receivers wired otherwise do to the ranges: what
-  /// is found of them settles nothing before all else had its turn.
+  /// Returns true if only exchanges are found. Exchanged points explain a part of the effect of exchanged
+  /// receivers, so an exchange that does not explain everything does not end the search.
   [[nodiscard]] bool nothing_but_exchanges() const {
     return std::ranges::all_of(found_, [](const ScoredReading& t) {
       return t.what.kind == ContradictionKind::kExchanged && !explains_all(t.score);
     });
   }
 
-  /// Nothing is left that another reading could explain.
+  /// Returns true if no other hypothesis could explain more.
   [[nodiscard]] static bool explains_all(const ReadingScore& s) {
     return s.agreeing >= kAllAgree && s.noise <= kNoiseOfAll;
   }
@@ -147,8 +147,8 @@ class Search {
 
   [[nodiscard]] bool stopped() const { return options_.is_stopped(); }
 
-  /// Share of the arrivals that agree with what was stated, to the noise that another reading finds: with a
-  /// noise many times larger everything agrees with anything.
+  /// Share of the arrivals that agree without a hypothesis, at the noise that another hypothesis finds. With
+  /// a much larger noise everything agrees with everything.
   [[nodiscard]] double agreeing_as_stated(double noise) const {
     const double limit = options_.rejection_sigmas * noise;
     const auto agreeing =
@@ -156,7 +156,7 @@ class Search {
     return static_cast<double>(agreeing) / std::max(1.0, stated_.arrivals);
   }
 
-  /// By itself, and better than that what is blamed already is false.
+  /// Returns true if a hypothesis is acceptable by itself and better than the contradictions found already.
   [[nodiscard]] bool is_good(const ReadingScore& s) const {
     return s.agreeing >= std::max(kAgreeingShare, agreeing_as_stated(s.noise) - kFewer) &&
            s.noise <= kNoise && s.redundancy >= kRedundant && s.loss < rival_loss_ - kTie;
@@ -176,13 +176,14 @@ class Search {
     return score_of(reading.site ? reading.site(site_) : site_, others, options_, search_again);
   }
 
-  /// Good, and likelier than what was stated by more than chance.
+  /// Returns true if a hypothesis is acceptable and significantly likelier than the original inputs.
   [[nodiscard]] bool is_likelier(const ReadingScore& s) const {
     return is_good(s) && s.arrivals * (stated_.loss - s.loss) >= 0.5 * kPlainSigmas * kPlainSigmas;
   }
 
-  /// A first look at each, a second one at those that explain the log far better than the statements do.
-  /// @param plainly  all agrees as stated but for one statement: a reading that is likelier suffices
+  /// Scores each hypothesis with the small part, then with the larger part those that explain the log far
+  /// better than the original inputs.
+  /// @param plainly  everything else agrees, so a likelier hypothesis suffices
   void try_out(const std::vector<Reading>& readings, bool plainly = false) {
     std::vector<std::pair<double, std::size_t>> ranking;
     for (std::size_t i = 0; i < readings.size() && !stopped(); ++i) {
@@ -191,8 +192,9 @@ class Search {
         ranking.emplace_back(loss, i);
     }
     std::ranges::stable_sort(ranking, [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::map<ContradictionKind, std::size_t> tried;  // of each kind: of poses in a mirrored frame and
-                                                     // receivers wired so, each is to have its turn
+    // For each kind, so that mirrored poses and exchanged receivers are both examined
+    std::map<ContradictionKind, std::size_t> tried;
+    // receivers wired so, each is to have its turn
     std::erase_if(ranking,
                   [&](const auto& r) { return ++tried[readings[r.second].what.kind] > kSecondTrials; });
     std::ranges::sort(ranking, [](const auto& a, const auto& b) { return a.second < b.second; });
@@ -204,7 +206,7 @@ class Search {
     }
   }
 
-  /// The likeliest of each family, where it leaves no noise beyond what is stated.
+  /// Accepts the likeliest hypothesis of each family if it leaves no noise above the expected one.
   void try_families(const std::vector<ReadingFamily>& families) {
     for (const ReadingFamily& family : families) {
       if (stopped()) return;
@@ -221,7 +223,7 @@ class Search {
     if (explains(s) || (is_likelier(s) && explains_all(s))) found_.push_back({reading.what, s});
   }
 
-  /// By another clock, of another point, in another frame; one may look much like the other.
+  /// Examines another clock, another point and another frame of the poses, which can resemble each other.
   void try_clock_and_point_of_poses() {
     const std::vector<MeasurementLog>& runs = problem_.runs;
     if (std::ranges::all_of(runs, [](const auto& run) { return run.poses.empty(); })) return;
@@ -230,7 +232,8 @@ class Search {
     if (const auto T_map_frame = frame_of_poses()) accept(poses_of_other_frame(runs, *T_map_frame));
   }
 
-  /// By where the poses would have the control points; nothing where one of these alone is elsewhere.
+  /// Frame of the poses, by the positions that they give to the control points. No value if a single control
+  /// point is wrong.
   [[nodiscard]] std::optional<Pose> frame_of_poses() const {
     const auto blamed =
         std::ranges::count(solution_.contradictions, ContradictionKind::kControlPoint, &Contradiction::kind);
@@ -248,8 +251,8 @@ class Search {
     return frame_between(by_poses, stated);
   }
 
-  /// Odometry of another scale or clock. Where receivers elsewhere explain as much as a clock, they are
-  /// blamed.
+  /// Examines scale and clock of the odometry. If other receiver positions explain as much as a clock, they
+  /// are preferred.
   void try_errors_of_odometry() {
     try_families(odometry_of_other_scale(site_, problem_.runs));
     if (!found_.empty()) return;
@@ -259,15 +262,16 @@ class Search {
 
   struct LooseReceivers {
     double loss = 0.0;
-    Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< of all together
+    Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< common shift of all receivers
   };
-  /// As stated, but for the receivers' places.
+  /// Adjusts with loose priors of the receiver positions.
   [[nodiscard]] LooseReceivers with_loose_receivers() const {
     Site loose = site_;
     for (SiteReceiver& receiver : loose.receivers) receiver.sigma_m.setConstant(kLooseReceiver_m);
     const ReadingScore s = score_of(loose, second_, options_, true);
     LooseReceivers out{s.loss};
-    const int told = site_.motion == Motion::kPlanar ? 2 : 3;  // a planar vehicle has no height to be off in
+    // The height is not determined for a planar vehicle
+    const int told = site_.motion == Motion::kPlanar ? 2 : 3;
     for (int i = 0; i < told; ++i) {
       std::vector<double> shifts;
       for (std::size_t r = 0; r < s.receiver_p_vehicle_m.size(); ++r)
@@ -277,8 +281,8 @@ class Search {
     return out;
   }
 
-  /// Poses that fit in no way: where a reading of their frame, or of the receivers', lets about as many
-  /// arrivals agree, that is it.
+  /// Examines poses with an unknown error. A hypothesis on their frame, or on the receivers, is preferred if
+  /// about as many arrivals agree.
   void try_without_poses() {
     constexpr double kAboutAsMany = 0.1;
     const std::size_t before = found_.size();
@@ -290,16 +294,16 @@ class Search {
       found_.pop_back();
   }
 
-  /// What is chosen of the runs depends on their epochs, so it is chosen anew.
+  /// Examines stops numbered by pauses. The subsample depends on the epochs, so it is chosen again.
   void try_numbered_stops() {
     for (const Reading& reading : numbered_stops(problem_.runs))
       if (const ReadingScore s = score(reading, kSecondShare, true); explains(s))
         found_.push_back({reading.what, s});
   }
 
-  /// The best of them. Control points that are exchanged leave most of the shape of the site as it is, so
-  /// that many arrivals agree with what was stated: as nothing is adjusted to it, a plain gain in likelihood
-  /// suffices, unless a single point that is elsewhere explains more.
+  /// Accepts the best exchange of two control points. An exchange preserves most of the shape of the site, so
+  /// many arrivals agree anyway. An exchange has no free parameters, so a significant gain in likelihood
+  /// suffices, unless a single control point at another position explains more.
   void try_exchanged_points() {
     std::optional<ScoredReading> least;
     for (const Reading& reading : exchanged_points(site_)) {
@@ -323,8 +327,8 @@ class Search {
     return site.timing.delay_per.none() ? 0.0 : site.timing.delay_s;
   }
 
-  /// Receivers turned half round, and odometry that counts backward, are one: the site file is more often
-  /// wrong.
+  /// Joins receivers rotated by 180 degrees with reversed odometry, which are equivalent. The site file is
+  /// wrong more often.
   static void join_odometry_to_wiring(std::vector<Contradiction>& reported) {
     const auto of_kind = [&](ContradictionKind kind) {
       return std::ranges::find(reported, kind, &Contradiction::kind);
@@ -337,8 +341,8 @@ class Search {
     reported.erase(odometry);
   }
 
-  /// The likeliest, and of other kinds those that are as likely; of one kind the first that is as good as
-  /// any, which is the likelier mistake, and among those one that disregards the fewest stated places.
+  /// Returns the likeliest hypothesis, and equally likely ones of other kinds. Within a kind, the first of
+  /// the equally good ones is the likelier mistake; hypotheses that ignore fewer positions come first.
   std::vector<Contradiction> best() {
     std::vector<Contradiction> reported;
     std::ranges::stable_sort(found_, [](const ScoredReading& a, const ScoredReading& b) {
@@ -361,7 +365,7 @@ class Search {
       reported.push_back(std::move(t.what));
     }
     join_odometry_to_wiring(reported);
-    // What the ranges do not tell apart is no two things to be done.
+    // Hypotheses that the ranges do not distinguish are alternatives.
     for (std::size_t i = 1; i < reported.size(); ++i) {
       reported[i].found += "; this or what stands before it is so, not both";
       reported[i].remedy = "or else " + reported[i].remedy;
@@ -373,9 +377,9 @@ class Search {
   const Solution& solution_;
   SolveOptions options_;
   Site site_;
-  std::vector<MeasurementLog> first_, second_;  ///< evenly spread parts for a first and a second look
+  std::vector<MeasurementLog> first_, second_;  ///< evenly spread parts for the first and the second trial
   ReadingScore stated_first_, stated_;
-  double rival_loss_ = INFINITY;  ///< where the statements that are blamed are not believed
+  double rival_loss_ = INFINITY;  ///< loss with the contradicted assumptions released
   std::vector<ScoredReading> found_;
 };
 

@@ -10,20 +10,21 @@
 
 namespace octant::calib {
 
-/// Looks for the false statement behind such an outcome, one that people often get wrong: a small
-/// combinatorial search over other readings (two of a few control points exchanged; receivers exchanged,
-/// mirrored, turned; receivers or a map in another frame; positions, of some beacons too, in centimetres,
-/// millimetres, feet, inches; two-way times; stops without epochs; poses that are mirrored or stamped late; a
-/// clock that jumped), each adjusted to an evenly spread part of the recordings and held against the same
-/// part as stated by a robust likelihood
-/// (`sigmas`: the root of twice its logarithm). Usually one or none; several where the data cannot tell them
-/// apart. Takes some dozens of quick adjustments; ends early where the options' progress says so.
+/// Searches for a common mistake that explains such an outcome. The hypotheses are: two of a few control
+/// points exchanged; receivers exchanged, mirrored or rotated; receivers or a map in another frame;
+/// positions, of all or some beacons, in centimetres, millimetres, feet or inches; two-way times; stops
+/// without epochs; mirrored poses or poses with a time lag; a clock that jumped. Each is adjusted to an
+/// evenly spread part of the recordings, and its robust likelihood is compared with that of the original
+/// inputs (`sigmas`: square root of twice the log-likelihood ratio).
+///
+/// Takes some dozens of quick adjustments, and ends early if the options' progress function requests it.
+/// @return usually at most one contradiction; several if the data do not distinguish them
 [[nodiscard]] std::vector<Contradiction> find_misreadings(const Problem& problem, const Solution& solution,
                                                           const SolveOptions& options = {});
 
-/// The same for an outcome that blames some statements and explains all else, which may be innocent: two of
-/// three or four control points exchanged in place of one that is elsewhere; a clock that jumped in place of
-/// delays, receivers and places that bend to it; times there and back, or units, in place of the speed.
+/// Searches for other causes of an outcome whose contradictions explain everything but may be consequences:
+/// two of three or four control points exchanged instead of one at another position; a clock that jumped
+/// instead of delays, receivers and positions that absorb it; two-way times or units instead of the speed.
 [[nodiscard]] std::vector<Contradiction> find_other_culprits(const Problem& problem, const Solution& solution,
                                                              const SolveOptions& options = {});
 

@@ -17,7 +17,7 @@
 namespace octant::calib {
 namespace {
 
-/// Control points among which every exchange of two is looked at.
+/// Maximum number of control points for which each exchange of two is examined.
 constexpr std::size_t kFewPoints = 4;
 
 Reading unit_reading(const LengthUnit& u, const ScaledParts& parts, const std::string& whose) {
@@ -30,9 +30,9 @@ Reading unit_reading(const LengthUnit& u, const ScaledParts& parts, const std::s
 }
 
 constexpr double kSamePlaceM = 1e-3;
-constexpr std::size_t kPlacesOfAMap = 3;  ///< fewer are the same map mirrored
+constexpr std::size_t kPlacesOfAMap = 3;  ///< fewer positions are equivalent to their mirror image
 
-/// Where x forward and y left are, of what was written as x and y.
+/// Axes of the file (written as x and y) that are x forward and y left.
 struct AxesReading {
   bool exchanged;
   double sign_x, sign_y;
@@ -61,7 +61,7 @@ Site with_receivers_read(const Site& site, std::size_t vehicle, const AxesReadin
   return other;
 }
 
-/// Whether it moves a receiver, and to where none of the others stands: that is another wiring.
+/// Returns true if it moves a receiver to a position of no other receiver; otherwise it is another wiring.
 bool is_another_array(const Site& site, std::size_t vehicle, const AxesReading& axes) {
   return std::ranges::any_of(site.receivers, [&](const SiteReceiver& r) {
     const Eigen::Vector3d read = axes.read(r.position_m);
@@ -168,7 +168,7 @@ std::vector<Reading> heights_downwards(const Site& site) {
 }
 
 std::vector<Reading> common_delay(const Site& site, double typical_range_m) {
-  constexpr double kWide = 0.1;  // of the typical range: as wide as a start from there allows
+  constexpr double kWide = 0.1;  // share of the typical range within which the initialisation converges
   if (site.timing.clock == Clock::kCycleOffset || site.timing.delay_per.receiver) return {};
   const double sigma_s = kWide * typical_range_m / speed_mps(site.medium);
   if (largest_delay_sigma_s(site) > sigma_s) return {};
@@ -253,7 +253,7 @@ Site without_what_is_blamed(const Site& site, const std::vector<Contradiction>& 
 std::vector<Reading> other_site_frames(const Site& site) {
   std::vector<Reading> readings;
   for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
-    if (site.vehicles[v].receiver_count < 2) continue;  // one has no left and right
+    if (site.vehicles[v].receiver_count < 2) continue;  // a single receiver has no left and right
     for (const AxesReading& axes : kAxes)
       if (is_another_array(site, v, axes))
         readings.push_back({{ContradictionKind::kWiring, "of " + site.vehicles[v].name,

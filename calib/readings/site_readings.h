@@ -9,37 +9,37 @@
 
 namespace octant::calib {
 
-/// Times there and back for one-way times, or the other way round; none where each epoch has a clock of its
-/// own.
+/// Hypotheses that times are two-way instead of one-way, or vice versa; empty if each epoch has its own clock
+/// offset.
 [[nodiscard]] std::vector<Reading> other_ranging(const Site& site);
-/// Positions of beacons, receivers or both in centimetres, millimetres, feet, inches.
-/// @param some_only  only those beacons that are of another order of magnitude than the rest, or that the
-/// ranges tell apart from it (mixed_units.h)
+/// Hypotheses that positions of beacons, receivers or both are in centimetres, millimetres, feet or inches.
+/// @param some_only  only beacons of another order of magnitude than the rest, or that the ranges distinguish
+/// from it (mixed_units.h)
 [[nodiscard]] std::vector<Reading> other_units(const Site& site, const std::vector<MeasurementLog>& runs,
                                                bool some_only);
-/// Two of a few control points at each other's places. Of three that are all the datum each can be blamed by
-/// itself, as it may move to where it agrees with the two others; an exchange explains the same with nothing
-/// to adjust. None where there are more than a few.
+/// Hypotheses that two of a few control points are exchanged. If three control points are the whole datum,
+/// each of them can be blamed alone, as it can move to where it agrees with the other two. An exchange
+/// explains the same without a free parameter. Empty if there are more than a few.
 [[nodiscard]] std::vector<Reading> exchanged_points(const Site& site);
-/// Receivers exchanged, mirrored, turned.
+/// Hypotheses that receivers are exchanged, mirrored or rotated.
 [[nodiscard]] std::vector<Reading> other_wirings(const Site& site, const Solution& solution);
-/// Heights of all beacons with the wrong sign (z counts downwards in the site file); none where none are
-/// stated.
+/// Hypothesis that the heights of all beacons have the wrong sign (z downwards in the site file); empty
+/// without heights.
 [[nodiscard]] std::vector<Reading> heights_downwards(const Site& site);
-/// All times of flight longer or shorter by one delay that the site file does not have.
+/// Hypothesis of one delay of all times of flight that the site file does not have.
 [[nodiscard]] std::vector<Reading> common_delay(const Site& site, double typical_range_m);
-/// Each control point at another place than the stated one.
+/// Hypotheses that a control point is not at its position in the site file.
 [[nodiscard]] std::vector<Reading> points_elsewhere(const Site& site);
-/// Positions written in another frame than that of a vehicle (x forward, y left) or of a map (x, y as seen
-/// from above): the receivers with a coordinate of the wrong sign or x and y exchanged, which turns or
-/// mirrors them; the beacons mirrored. What changes nothing is left out. Where no pose and no odometry tells
-/// left from right, a mirrored map and mirrored receivers are one and the same to the ranges.
+/// Hypotheses that positions are in another frame than the vehicle's (x forward, y left) or the map's (x, y
+/// seen from above): receivers with a coordinate of the wrong sign or with x and y exchanged, which rotates
+/// or mirrors them; beacons mirrored. Hypotheses without an effect are omitted. Without poses and odometry,
+/// mirrored beacons and mirrored receivers are equivalent for the ranges.
 [[nodiscard]] std::vector<Reading> other_site_frames(const Site& site);
 
 /// Returns true if the site file gives the position of each beacon. A beacon without one can absorb a wrong
 /// scale of the others.
 [[nodiscard]] bool are_all_placed(const Site& site);
-/// The site with what contradictions blame left open: control points, delays, receivers, the speed.
+/// Returns the site with the blamed control points, delays, receivers and speed released.
 [[nodiscard]] Site without_what_is_blamed(const Site& site, const std::vector<Contradiction>& blamed);
 
 }  // namespace octant::calib

@@ -15,10 +15,10 @@ namespace {
 
 using Order = std::vector<std::size_t>;
 
-constexpr std::size_t kAllOrders = 5;     ///< receivers of which every order is looked at
-constexpr std::size_t kAllExchanges = 8;  ///< and every exchange of two
+constexpr std::size_t kAllOrders = 5;     ///< receivers up to which all orders are examined
+constexpr std::size_t kAllExchanges = 8;  ///< receivers up to which all exchanges of two are examined
 
-/// Collects orders, each once, with words for it.
+/// Collects different orders with their descriptions.
 class WiringList {
  public:
   WiringList(const Site& site, VehicleId vehicle) : site_(site), vehicle_(site.vehicles[vehicle.index()]) {}
@@ -45,7 +45,7 @@ class WiringList {
       add(*order, fmt::format("the receivers of {} are mirrored, left called right ({})", vehicle_.name,
                               pairs(*order)));
   }
-  /// The receivers in the order of their azimuths, shifted by some places, also the other way round.
+  /// Orders that rotate the receivers along their azimuths by some positions, also in reverse.
   void turns() {
     const Order ring = by_azimuth();
     for (const bool reversed : {false, true})
@@ -82,8 +82,8 @@ class WiringList {
     return sum / static_cast<double>(size());
   }
 
-  /// Each receiver as the one nearest to its place left and right exchanged; none where two would be the same
-  /// one.
+  /// Order that maps each receiver to the one nearest to its mirrored position; no value if two would map to
+  /// the same one.
   [[nodiscard]] std::optional<Order> mirrored() const {
     const Eigen::Vector3d middle = centre();
     Order order(size());
@@ -128,7 +128,7 @@ class WiringList {
 std::vector<Wiring> wirings(const Site& site, VehicleId vehicle, const std::vector<bool>& doubtful) {
   WiringList list(site, vehicle);
   if (list.size() < 2) return {};
-  list.mirror();  // of two receivers that is their exchange
+  list.mirror();  // for two receivers this is their exchange
   const std::size_t first = site.vehicles[vehicle.index()].first_receiver;
   const auto may_be = [&](std::size_t i) {
     return list.size() <= kAllExchanges || doubtful.empty() || doubtful[first + i];
