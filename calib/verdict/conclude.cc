@@ -18,8 +18,7 @@
 namespace octant::calib {
 namespace {
 
-/// Median over the parameters of how much larger the sigmas are than those of white noise; 1 where errors are
-/// white.
+/// Median ratio of the sigmas to those under white noise; 1 if errors are white.
 double growth_of_sigmas(const Solution& solution) {
   std::vector<double> growth;
   const Eigen::MatrixXd &honest = solution.covariance.matrix, &white = solution.white_covariance.matrix;
@@ -28,7 +27,7 @@ double growth_of_sigmas(const Solution& solution) {
   return growth.empty() ? 1.0 : std::max(1.0, median(std::move(growth)));
 }
 
-/// Sigmas that hold with the errors as the residuals show them.
+/// Computes sigmas that account for correlated errors, by the residuals.
 void allow_for_correlation(const Estimate& estimate, const Covariance& C,
                            const std::vector<Trajectory>& trajectories, double share_of_log, int threads,
                            Solution& solution) {
@@ -39,11 +38,11 @@ void allow_for_correlation(const Estimate& estimate, const Covariance& C,
   solution.covariance.matrix = si.asDiagonal() * solution.errors.covariance * si.asDiagonal();
 }
 
-/// Sigmas that hold though some beacon may have been shadowed at a stop.
-/// @return what is to be said of it; empty: nothing
+/// Enlarges the sigmas for beacons that may have been shadowed at a stop.
+/// @return warning, or an empty text
 std::string allow_for_shadows(const Problem& problem, const Estimate& estimate, const Covariance& C,
                               const std::vector<Trajectory>& trajectories, Solution& solution) {
-  constexpr double kWorthTelling = 1.5;  // times a sigma
+  constexpr double kWorthTelling = 1.5;  // growth of a sigma
   if (solution.covariance.parameters.empty()) return "";
   const ShadowRisk risk = shadow_risk(trajectories, solution.state, {estimate.layout, C});
   if (risk.covariance.size() == 0) return "";
@@ -72,7 +71,7 @@ std::string message_of(const AdjustResult& last) {
   return last.converged ? "converged" : "the adjustment did not converge: " + last.message;
 }
 
-/// Covariance and verdict, and only these, from other weights of the observations.
+/// Computes covariance and verdict again with other weights of the observations, and no other results.
 void judge_anew(const Problem& problem, const SolveOptions& options, Estimate estimate,
                 std::vector<Trajectory>& trajectories, Solution& solution) {
   solution.status = status_of(estimate.last);
@@ -82,11 +81,11 @@ void judge_anew(const Problem& problem, const SolveOptions& options, Estimate es
   solution.beacon_status.clear();
   solution.weak.clear();
   solution.undetermined.clear();
-  estimate.last.data.reset();  // which is of the subsampled log
+  estimate.last.data.reset();  // belongs to the subsampled log
   static_cast<void>(judge(problem, options, estimate, trajectories, solution));
 }
 
-/// Fit, covariance and verdict of the trajectories at hand.
+/// Fit, covariance and verdict of the given trajectories.
 Conclusion conclude_as_is(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
                           Findings findings, bool is_subsampled, Solution& solution) {
   const AdjustResult& last = estimate.last;
@@ -96,7 +95,7 @@ Conclusion conclude_as_is(const Problem& problem, const SolveOptions& options, c
   solution.tof_sigma_s = problem.site.noise.tof_sigma_s * estimate.noise_factor;
   solution.statistics = findings.statistics;
   solution.statistics.converged = last.converged;
-  // The factor is told against what the site file states, not against the noise as found.
+  // The factor is relative to the noise in the site file, not to the estimated noise.
   solution.statistics.variance_factor *= estimate.noise_factor * estimate.noise_factor;
   solution.statistics.chi2_p = chi_square_p(
       solution.statistics.variance_factor * solution.statistics.redundancy, solution.statistics.redundancy);
@@ -104,8 +103,7 @@ Conclusion conclude_as_is(const Problem& problem, const SolveOptions& options, c
   solution.message = message_of(last);
   solution.datum = datum_of(problem);
   const std::size_t judged_from = solution.warnings.size();
-  // What the data do not determine is often what keeps the iteration from settling, and then that is the
-  // finding.
+  // Parameters that the data do not determine often prevent convergence. They are then the finding.
   Conclusion done{judge(problem, options, estimate, trajectories, solution)};
   if (is_subsampled) solution.warnings.resize(judged_from);  // the verdict of the whole log has its own
   solution.reliability = reliability_of(

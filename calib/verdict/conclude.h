@@ -13,26 +13,26 @@
 
 namespace octant::calib {
 
-/// What all arrivals of a log say of an estimate, and the states that the verdict looks at.
+/// Results of one pass over all arrivals of a log at an estimate, and the states for the verdict.
 struct Findings {
   std::vector<Trajectory>
-      trajectories;  ///< solved, outliers rejected; all, or every so many-th stop or stretch
+      trajectories;  ///< solved, outliers rejected; all, or an evenly spread part of the stops or segments
   std::vector<std::string> warnings;
-  CalibrationStatistics statistics;  ///< against the noise as found
-  std::vector<std::string> flips;    ///< epochs that were turned, in words
+  CalibrationStatistics statistics;  ///< relative to the estimated noise
+  std::vector<std::string> flips;    ///< descriptions of epochs whose heading was corrected
   LeftOutOfAll left_out;
-  std::optional<LogTotals> totals;  ///< where the trajectories at hand are only a part of the log
-  /// The trajectories of a subsampled log with the accuracy of all that they stand for: covariance and
-  /// verdict are judged by them. Empty: the log is not subsampled.
+  std::optional<LogTotals> totals;  ///< set if the trajectories are only a part of the log
+  /// Trajectories of a subsampled log with the accuracy of the complete log, for covariance and verdict.
+  /// Empty if the log is not subsampled.
   std::vector<Trajectory> as_complete;
 };
 
-/// Parts of a conclusion that a diagnosis starts from.
+/// Results on which a diagnosis is based.
 struct Conclusion {
-  Covariance covariance;      ///< of the parameters under white noise, internal units
-  double growth = 1.0;        ///< of sigmas by correlated errors
-  double share_of_log = 1.0;  ///< part of the log that the solution's trajectories are
-  std::string shadowed = {};  ///< warning of shadowed beacons; empty: there is none
+  Covariance covariance;      ///< covariance of the parameters under white noise, internal units
+  double growth = 1.0;        ///< growth of the sigmas by correlated errors
+  double share_of_log = 1.0;  ///< share of the log in the solution's trajectories
+  std::string shadowed = {};  ///< warning of shadowed beacons, or empty
 };
 
 /// Completes a calibration: covariance, verdict, reliability and sigmas under correlated errors; fills the

@@ -74,7 +74,7 @@ void set_free_network(Datum& datum) {
   describe(datum);
 }
 
-/// Motions whose information does not tell them to this share of the typical range.
+/// Share of the typical range from which a motion counts as undetermined.
 constexpr double kVagueDatum = 0.25;
 
 template <class Matrix>
@@ -93,8 +93,8 @@ Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout
   const auto free_beacons = std::ranges::count_if(layout.beacon, [](const auto& c) {
     return std::max({c[0], c[1], c[2]}) >= 0;
   });
-  // A unit motion moves each beacon by 1 / sqrt(beacons); positions given to a hundred metres carry no map
-  // either.
+  // A unit motion moves each beacon by 1 / sqrt(beacons). Positions with a sigma of a hundred metres define
+  // no map.
   const double limit_m =
       kVagueDatum * typical_range_m(problem) * std::sqrt(static_cast<double>(free_beacons));
   Eigen::Index unobservable = 0;

@@ -11,16 +11,16 @@
 
 namespace octant::calib {
 
-/// What fixes position, orientation and scale of the map, in words and as data: control points first, then
-/// measured poses, approximate positions (priors), taped distances; what nothing fixes is said so.
+/// Describes what defines position, orientation and scale of the map: control points first, then measured
+/// poses, approximate positions (priors), taped distances. Also names undefined components.
 [[nodiscard]] Datum datum_of(const Problem& problem);
 
-/// Makes the datum that of a map which turned out to hang on nothing: inner constraints carry it.
+/// Sets the datum of a map without any reference, which inner constraints define.
 void set_free_network(Datum& datum);
 
-/// Motions of the whole map that nothing in a problem tells to better than a quarter of the typical range
-/// (planar: x, y, heading; spatial: six), as columns over the free parameters; orthonormal, none where the
-/// datum is fixed.
+/// Motions of the whole map that the problem determines no better than a quarter of the typical range
+/// (planar: x, y, heading; spatial: six), as orthonormal columns over the free parameters. Empty if the datum
+/// is fixed.
 /// @param information  dense or sparse
 template <class Matrix>
 [[nodiscard]] Eigen::MatrixXd free_datum(const Problem& problem, const ParameterLayout& layout,

@@ -16,10 +16,10 @@
 namespace octant::calib {
 namespace {
 
-/// Fewer degrees of freedom behind the variances than this are said.
+/// Degrees of freedom of the variances below which there is a warning.
 constexpr double kFewFreedoms = 12.0;
 
-/// Amplitudes that are taken to be alike all round receivers that have axes.
+/// Returns true if amplitudes are modelled as independent of the direction although receivers have axes.
 bool may_be_directional(const Problem& problem, const std::vector<Trajectory>& trajectories) {
   const Site& site = problem.site;
   if (!site.attenuation || site.attenuation->half_power_angle_rad.value > 0) return false;
@@ -34,7 +34,7 @@ bool may_be_directional(const Problem& problem, const std::vector<Trajectory>& t
 void warn_of_correlation(const Estimate& estimate, double growth, int threads, Solution& solution) {
   const ErrorModel& errors = solution.errors;
   if (errors.correlated) {
-    constexpr double kAsGood = 1.05;  // what two digits write as 1
+    constexpr double kAsGood = 1.05;  // rounded to 1 with two digits
     std::string warning = fmt::format(
         "errors are correlated: residuals of a beacon-receiver pair keep a common part, as reflections, "
         "antennas and bodies cause, "
@@ -59,7 +59,8 @@ void warn_of_correlation(const Estimate& estimate, double growth, int threads, S
   }
 }
 
-/// Poses that are far better than stated say little of the arrivals' noise while they are taken for so bad.
+/// Ratio of the estimated pose noise to the expected one below which there is a warning. Poses with too
+/// little weight carry little information on the noise of the arrivals.
 constexpr double kFarBetterPoses = 0.5;
 
 void warn_of_noise(const Problem& problem, const Estimate& estimate, double growth, int threads,
@@ -85,8 +86,9 @@ void warn_of_noise(const Problem& problem, const Estimate& estimate, double grow
   warn_of_correlation(estimate, growth, threads, solution);
 }
 
-/// Whether the ranges alone show that a clock jumped, and the adjustment is bent by it. No statement is to
-/// blame for that, whatever its release would explain; what is, other readings (readings/) tell.
+/// Returns true if the ranges alone show a jump of a clock that distorts the adjustment. Assumptions are not
+/// tested then, because their release would absorb the jump; the search for misreadings (readings/) finds the
+/// cause.
 bool is_bent_by_a_clock(const Problem& problem, const Solution& solution) {
   return are_many_left_out(problem, solution) && ranges_show_a_jump(problem.site, problem.runs);
 }
@@ -99,7 +101,7 @@ bool are_few_left_out(const std::vector<Trajectory>& trajectories) {
   return static_cast<double>(out) <= kFew * static_cast<double>(all);
 }
 
-/// What was stated, and the recording with itself, against what the data say.
+/// Tests the assumptions of the site file, and the consistency of the recordings, by the data.
 void contradict(const Problem& problem, const SolveOptions& options, const Estimate& estimate, double growth,
                 Solution& solution) {
   StatementFindings stated = test_statements(problem, options, estimate, solution.trajectories);
@@ -116,9 +118,10 @@ void contradict(const Problem& problem, const SolveOptions& options, const Estim
     for (std::string& warning : stated.warnings) solution.warnings.push_back(std::move(warning));
 }
 
-/// A refusal by sigmas that the misfit made so large: what causes the misfit comes first.
+/// Returns true if a calibration is refused only because the misfit enlarged its sigmas. The cause of the
+/// misfit then comes first.
 bool is_refused_for_misfit(const Solution& solution, const Estimate& estimate) {
-  constexpr double kMisfit = 2.0;  // times the stated noise
+  constexpr double kMisfit = 2.0;  // ratio to the noise in the site file
   return solution.status == SolveStatus::kUndetermined && estimate.noise_factor > kMisfit;
 }
 
@@ -128,14 +131,13 @@ void diagnose(const Problem& problem, const SolveOptions& options, const Estimat
               const Conclusion& concluded, Solution& solution) {
   const bool is_tested =
       solution.status == SolveStatus::kConverged || is_refused_for_misfit(solution, estimate);
-  // The other half is for gross faults (readings/), which look like many false statements.
+  // The other half is for gross errors (readings/), which look like many false assumptions.
   constexpr double kShareOfStatements = 0.5;
   diagnose_within_budget(options, solution, kShareOfStatements, [&](const SolveOptions& limited) {
     if (is_tested && !is_bent_by_a_clock(problem, solution))
       contradict(problem, limited, estimate, concluded.growth, solution);
   });
-  if (!solution.contradictions.empty())
-    return;  // which name the culprit; what follows would name the innocent
+  if (!solution.contradictions.empty()) return;  // these name the cause; later tests would name consequences
   warn_of_noise(problem, estimate, concluded.growth, options.threads, solution);
   if (!concluded.shadowed.empty()) solution.warnings.push_back(concluded.shadowed);
   for (std::string& warning : suspect_control_points(problem, solution.state, solution.trajectories))

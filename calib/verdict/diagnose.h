@@ -10,10 +10,10 @@
 
 namespace octant::calib {
 
-/// Names what contradicts the data: statements of the site file, beacons that moved, errors that many
-/// observations have in common. Adds contradictions, common errors and warnings to a complete solution,
-/// within its budget (diagnosis_budget.h).
-/// @param estimate  that the solution was concluded from
+/// Finds what contradicts the data: assumptions of the site file, beacons that moved, errors common to many
+/// observations. Adds contradictions, common errors and warnings to a complete solution, within its budget
+/// (diagnosis_budget.h).
+/// @param estimate  estimate that led to the solution
 void diagnose(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
               const Conclusion& concluded, Solution& solution);
 

@@ -14,11 +14,11 @@ namespace {
 
 constexpr std::size_t kPlaces = 30;
 
-/// What is heard and seen over a path, by one of its observations.
+/// Paths of the log, each with one of its observations.
 struct Paths {
   std::map<std::pair<std::size_t, std::size_t>, ArrivalObservation> arrivals;  ///< beacon, receiver
   std::map<std::size_t, BearingObservation> bearings;                          ///< reflector
-  std::map<std::size_t, double> reach_m;                                       ///< of each beacon, horizontal
+  std::map<std::size_t, double> reach_m;  ///< horizontal reach of each beacon
 };
 
 double reach_to_m(const Trajectory& t, std::size_t node, const SharedState& state, BeaconId beacon) {
@@ -42,7 +42,7 @@ Paths paths_of(const Trajectory& t, const SharedState& state) {
   return paths;
 }
 
-/// A vehicle that stands at a node and hears what x predicts.
+/// Vehicle at rest at a node that receives what x predicts.
 Trajectory hearing_at(const Trajectory& t, std::size_t node, const Paths& paths, const SharedState& here) {
   Trajectory stop = standing_at(t, t.nodes[node]);
   stop.T_hear_send = {Pose()};
@@ -72,7 +72,7 @@ Trajectory hearing_at(const Trajectory& t, std::size_t node, const Paths& paths,
   return stop;
 }
 
-/// Whether what is heard at a stop tells more than an arc.
+/// Returns true if the observations of a stop determine more than an arc.
 bool determines_a_place(const Trajectory& stop) {
   std::vector<std::size_t> beacons;
   for (const ArrivalObservation& a : stop.arrivals) beacons.push_back(a.beacon.index());

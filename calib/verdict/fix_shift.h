@@ -11,12 +11,13 @@
 
 namespace octant::calib {
 
-/// How far typical fixes are off when the shared parameters are y instead of x [m, RMS over places]: at some
-/// thirty of the states, a vehicle that stands there hears the beacons in reach over the paths of the log,
-/// and sees those whose bearings the log has, as x predicts it, and is located by y from that alone.
-/// Displacement of its origin in the plane, and by its heading of the receiver farthest from the origin;
-/// nothing else of the log takes part, so that measured poses hide no shift. Empty where no stop hears enough
-/// beacons.
+/// Root-mean-square error of typical fixes if the shared parameters are y instead of x [m].
+///
+/// At about thirty states of the log, a standing vehicle receives the beacons in reach over the paths of the
+/// log, and observes those with bearings, as predicted by x. It is located by y from these observations
+/// alone; measured poses take no part, as they would hide a shift. The error is the horizontal shift of the
+/// origin, and the effect of its heading on the receiver farthest from the origin. No value if no stop
+/// receives enough beacons.
 [[nodiscard]] std::optional<double> fix_shift_m(const ParameterLayout& layout, const Eigen::VectorXd& x,
                                                 const Eigen::VectorXd& y,
                                                 const std::vector<Trajectory>& trajectories);

@@ -11,10 +11,9 @@
 
 namespace octant::calib {
 
-/// Goes through the pairs of a state of the vehicle where anything was heard, every `stride`-th, and a beacon
-/// that is determined.
-/// @param is_heard  whether an arrival counts
-/// @param take  the beacon, how far it is from there [m], and whether it was heard
+/// Visits pairs of a state with arrivals (every `stride`-th state) and a beacon that is determined.
+/// @param is_heard  returns true if an arrival counts
+/// @param take  called with the beacon, its distance [m] and true if it was received
 template <class IsHeard, class Take>
 void for_each_hearing_pair(const Trajectory& t, const std::vector<DeploymentBeacon>& beacons,
                            std::size_t stride, const IsHeard& is_heard, const Take& take) {
@@ -27,7 +26,7 @@ void for_each_hearing_pair(const Trajectory& t, const std::vector<DeploymentBeac
     bool any = false;
     for (; a < t.arrivals.size() && t.arrivals[a].node == n; ++a)
       if (is_heard(t.arrivals[a])) heard[t.arrivals[a].beacon.index()] = any = true;
-    if (!any) continue;  // nothing was recorded there
+    if (!any) continue;  // no arrivals at this state
     for (std::size_t b = 0; b < beacons.size(); ++b)
       if (beacons[b].status != BeaconStatus::kUndetermined && beacons[b].position_m.allFinite())
         take(b, (beacons[b].position_m - t.nodes[n].T_map_vehicle.translation_m).norm(), heard[b]);

@@ -14,7 +14,7 @@ namespace octant::calib {
 namespace {
 
 constexpr double kMostly = 0.5;
-constexpr std::size_t kEnoughBearings = 5;  ///< fewer are too few to doubt a reflector
+constexpr std::size_t kEnoughBearings = 5;  ///< least number of bearings for a warning on a reflector
 
 std::vector<LeftOut> arrivals_of(const Trajectory& t, const SharedState& state) {
   std::vector<LeftOut> out;
@@ -27,7 +27,7 @@ std::vector<LeftOut> arrivals_of(const Trajectory& t, const SharedState& state) 
   return out;
 }
 
-/// Those of one run; a bearing that no state carries stands in no trajectory.
+/// Rejected bearings of one run. A bearing without a state is in no trajectory.
 std::vector<LeftOutBearing> bearings_of(const MeasurementLog& log, std::size_t run,
                                         const std::vector<Trajectory>& trajectories) {
   std::vector<LeftOutBearing> out;
@@ -44,13 +44,13 @@ std::vector<LeftOutBearing> bearings_of(const MeasurementLog& log, std::size_t r
   return out;
 }
 
-/// Measured poses of a run between which no arrival and no bearing lies, or across too long a gap.
+/// Measured poses of a run that no arrival or bearing needs, or that are separated by a long gap.
 std::vector<LeftOutPose> poses_of(const MeasurementLog& log, std::size_t run,
                                   const std::vector<Trajectory>& trajectories) {
   std::vector<std::uint8_t> needed(log.poses.size(), 0);
   for (const Trajectory& t : trajectories) {
     if (t.run != run || !t.moving || t.odometry.empty()) continue;
-    for (std::size_t i = 0; i < needed.size(); ++i)  // odometry carries each of them
+    for (std::size_t i = 0; i < needed.size(); ++i)  // odometry needs each of them
       if (log.poses[i].time_s >= t.nodes.front().time_s && log.poses[i].time_s <= t.nodes.back().time_s)
         needed[i] = 1;
   }

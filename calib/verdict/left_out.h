@@ -11,23 +11,26 @@
 
 namespace octant::calib {
 
-/// What took no part in an adjustment, with its reason.
+/// Observations that an adjustment rejected, with reasons.
 struct LeftOutOfAll {
   std::vector<LeftOut> arrivals;
   std::vector<LeftOutBearing> bearings;
   std::vector<LeftOutPose> poses;
 };
 
+/// Collects the rejected observations.
 /// @param trajectories  solved, outliers rejected at `state`
 [[nodiscard]] LeftOutOfAll left_out_of(const Problem& problem, const std::vector<Trajectory>& trajectories,
                                        const SharedState& state);
 
-/// All arrivals of a log by what became of them, streamed or not. @param problem  that the solution is of
+/// Numbers of all arrivals of a log by outcome, also for streamed logs.
+/// @param problem  problem of the solution
 [[nodiscard]] RejectionCounts arrivals_by_outcome(const Problem& problem, const Solution& solution);
-/// More than a third of the arrivals: what was stated is misread, or the recording is not of one clock.
+/// Returns true if more than a third of the arrivals are rejected: an input is misread, or the clock is not
+/// consistent.
 [[nodiscard]] bool are_many_left_out(const Problem& problem, const Solution& solution);
 
-/// Warnings that name beacons of whose labelled bearings more than half do not fit all else.
+/// Warnings on beacons if more than half of their labelled bearings disagree.
 [[nodiscard]] std::vector<std::string> bearings_in_doubt(const Problem& problem,
                                                          const std::vector<LeftOutBearing>& left_out);
 

@@ -125,7 +125,7 @@ class Judge {
     const auto count =
         static_cast<std::size_t>(std::ranges::count(solution_.beacon_status, BeaconStatus::kUndetermined));
     const bool too_many = count > 0 && 2 * count >= asked_;
-    if (!blocked_ && !too_many && !(strict && count > 0)) return;  // status stays: converged or not
+    if (!blocked_ && !too_many && !(strict && count > 0)) return;  // status remains: converged or not
     solution_.status = SolveStatus::kUndetermined;
     std::vector<std::string> what, remedies;
     if (too_many || strict) what = in_groups(undetermined_, limit_m_);
@@ -155,8 +155,8 @@ class Judge {
     return BeaconStatus::kUndetermined;
   }
 
-  /// Whether fixes are off beyond their tolerance by what is not known of a parameter, with all that moves
-  /// along with it: delays that beacons and receivers share out among themselves are felt by none.
+  /// Returns true if the uncertainty of a parameter, with all correlated parameters, moves fixes by more than
+  /// their tolerance. Delays that beacons and receivers can exchange have no effect.
   [[nodiscard]] bool is_felt(int column) const {
     const Eigen::VectorXd with_it = C_.times(Eigen::VectorXd::Unit(layout_.size(), column));
     if (!(sigma_of(C_, column) < typical_range_m(problem_))) return true;
@@ -171,14 +171,15 @@ class Judge {
     solution_.weak.push_back(std::move(direction));
   }
 
-  /// What is known worse than the tolerance refuses where the site feels it: everything moves along with it
-  /// as the joint covariance has it, and either a beacon or a typical fix is then off beyond its tolerance.
-  /// What nothing of that feels is told.
+  /// Refuses a direction whose sigma exceeds the tolerance if it affects the site: it moves a beacon or a
+  /// typical fix, together with all correlated parameters, by more than its tolerance. A direction without
+  /// such an effect is only reported.
   void weigh(WeakDirection direction, const Eigen::VectorXd& v) {
     const Eigen::VectorXd with_it = C_.times(v);
     const double variance = v.dot(with_it);
     direction.consequence_m = INFINITY;
-    if (direction.sigma_m < typical_range_m(problem_) && variance > 0) {  // farther off nothing is predicted
+    // Larger deviations cannot be predicted
+    if (direction.sigma_m < typical_range_m(problem_) && variance > 0) {
       const Eigen::VectorXd step = with_it / std::sqrt(variance);
       const std::optional<double> fix_m =
           fix_shift_m(layout_, estimate_.x, estimate_.x + step, trajectories_);
@@ -197,7 +198,7 @@ class Judge {
   [[nodiscard]] double largest_beacon_shift_m(const Eigen::VectorXd& step) const {
     double largest_m = 0.0;
     for (std::size_t b = 0; b < layout_.beacon.size(); ++b) {
-      if (solution_.beacon_status[b] == BeaconStatus::kUndetermined) continue;  // localizers leave it out
+      if (solution_.beacon_status[b] == BeaconStatus::kUndetermined) continue;  // localizers do not use it
       Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
       for (std::size_t i = 0; i < 3; ++i)
         if (layout_.beacon[b][i] >= 0) shift_m[static_cast<int>(i)] = step[layout_.beacon[b][i]];
@@ -206,8 +207,7 @@ class Judge {
     return largest_m;
   }
 
-  /// Directions of an array that its prior alone would leave useless and that the data did not improve
-  /// either.
+  /// Directions of an array whose prior alone would be insufficient and that the data did not improve.
   void receiver(std::size_t r) {
     std::vector<int> columns;
     for (const int column : layout_.receiver[r]) columns.push_back(column);
@@ -254,8 +254,8 @@ class Judge {
 
 namespace {
 
-/// What is asked of a covariance that is not formed as a whole: each beacon's own parameters, and all others
-/// among themselves.
+/// Marginals of a covariance that is not formed as a whole: the parameters of each beacon, and all others
+/// together.
 MarginalCovariance marginals_of(const ParameterLayout& layout, const Covariance& C) {
   MarginalCovariance out;
   std::vector<std::vector<int>> groups(layout.beacon.size() + 1);
@@ -266,7 +266,7 @@ MarginalCovariance marginals_of(const ParameterLayout& layout, const Covariance&
         groups[b].push_back(column);
         of_beacon[static_cast<std::size_t>(column)] = true;
       }
-  // Biases of pairs each on its own: there are as many as arrivals' pairs.
+  // Biases of pairs are separate, because there are as many as pairs with arrivals.
   for (int column = 0; column < layout.size(); ++column)
     if (layout.parameter(column).id.kind == ParameterKind::kPairBias) {
       groups.push_back({column});
@@ -287,7 +287,7 @@ MarginalCovariance marginals_of(const ParameterLayout& layout, const Covariance&
   return out;
 }
 
-/// Of data and priors together; a datum that hangs on nothing is noted.
+/// Covariance from data and priors. Notes an undefined datum.
 template <class Matrix>
 Covariance covariance_of(const Problem& problem, const ParameterLayout& layout, const Matrix& information,
                          Solution& solution) {

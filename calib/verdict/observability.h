@@ -12,12 +12,14 @@
 
 namespace octant::calib {
 
-/// Covariance, status of the beacons, weak directions, verdict: fills the solution. Returns the covariance in
-/// internal units. Beyond ParameterLayout::dense_limit the solution's joint covariance stays empty and its
-/// marginals are filled instead. A beacon is undetermined when it was not found or the sigma of its worst
-/// direction is beyond the site's tolerance. The data refuse (SolveStatus::kUndetermined) when half or more
-/// of the beacons asked for are, or when speed, a common delay or a receiver array are not known to that
-/// tolerance and a beacon or a typical fix (fix_shift.h) is off beyond its own by that.
+/// Computes covariance, status of the beacons, weak directions and verdict, and fills the solution. Returns
+/// the covariance in internal units. Beyond ParameterLayout::dense_limit only the marginals of the solution's
+/// covariance are filled.
+///
+/// A beacon is undetermined if it was not received, or if the sigma of its worst direction exceeds the site's
+/// tolerance. The calibration is refused (SolveStatus::kUndetermined) if half or more of the required beacons
+/// are undetermined. It is also refused if the uncertainty of the speed, a common delay or a receiver array
+/// exceeds that tolerance and moves a beacon or a typical fix (fix_shift.h) by more than its own tolerance.
 [[nodiscard]] Covariance judge(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
                                std::vector<Trajectory>& trajectories, Solution& solution);
 

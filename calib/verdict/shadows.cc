@@ -12,23 +12,23 @@
 namespace octant::calib {
 namespace {
 
-/// Beyond this one stop moves nothing.
+/// Number of arrivals beyond which a single stop has no effect.
 constexpr std::size_t kMostHeard = 20'000;
-/// Of a normal variable's median magnitude.
+/// Ratio of sigma to the median magnitude of a normal variable.
 constexpr double kSigmaOfMedian = 1.4826;
 
 bool is_stop(const Trajectory& t, const Segment& s) {
   return s.last_node - s.first_node == 1 && t.nodes[s.first_node].placed;
 }
 
-/// A beacon in use at a stop, as if it was late there.
+/// Hypothetical lateness of a beacon in use at a stop.
 struct Lateness {
   double sigmas = 0.0;    ///< w
-  double sigma_s = 0.0;   ///< of the lateness
-  Eigen::VectorXd shift;  ///< of the parameters, by one sigma of it
+  double sigma_s = 0.0;   ///< standard deviation of the lateness
+  Eigen::VectorXd shift;  ///< shift of the parameters by one sigma of it
 };
 
-/// Beacons at stops: how many are in use or late, and of the late ones by how much.
+/// Numbers of beacons at stops that are in use or late, and the lateness of the late ones.
 struct HeardAtStops {
   std::size_t beacons = 0, late = 0;
   std::vector<double> late_s;
@@ -81,7 +81,7 @@ std::vector<Lateness> latenesses(const std::vector<Trajectory>& trajectories, co
                      });
       for (Eigen::Index i = 0; i < errors; ++i) {
         const ScoreTest::Finding found = test.of_error(i, parameters);
-        if (found.sigmas == 0.0) continue;  // the stop stands or falls with it, or it is not in use
+        if (found.sigmas == 0.0) continue;  // the stop needs it, or it is not in use
         const double sigma_s = found.size[0] / found.sigmas;
         all.push_back({found.sigmas, sigma_s, sigma_s * test.shift(i, parameters.covariance)});
       }
@@ -89,7 +89,7 @@ std::vector<Lateness> latenesses(const std::vector<Trajectory>& trajectories, co
   return all;
 }
 
-/// By how much they scatter more than white errors would.
+/// Ratio of their scatter to that of white errors, at least 1.
 double scatter_of(const std::vector<Lateness>& all) {
   std::vector<double> magnitude;
   magnitude.reserve(all.size());
@@ -116,7 +116,7 @@ ShadowRisk shadow_risk(const std::vector<Trajectory>& trajectories, const Shared
     const double w = l.sigmas / scatter, sigma_s = l.sigma_s * scatter,
                  below = 0.5 * std::erfc(-w / std::numbers::sqrt2),
                  density = std::exp(-0.5 * w * w) / std::sqrt(2 * std::numbers::pi);
-    // sqrt(2 pi) exp(w^2 / 2) Phi(w) is Phi(w) over the density.
+    // sqrt(2 pi) exp(w^2 / 2) Phi(w) equals Phi(w) divided by the density.
     const double odds = risk.share / (1.0 - risk.share) * sigma_s / range_s * below / density,
                  late = std::isfinite(odds) ? odds / (1.0 + odds) : 1.0,
                  square = std::max(0.0, w * w + 1.0 + w * density / below);

@@ -11,22 +11,24 @@
 
 namespace octant::calib {
 
-/// What beacons that were shadowed at a stop, unseen, may have done to an adjustment.
+/// Possible effect of shadowed beacons at stops that no residual shows.
 struct ShadowRisk {
-  Eigen::MatrixXd covariance;  ///< beside that of the noise, internal units; empty: none
-  double share = 0.0;          ///< of beacons at stops that are late at all receivers, of those heard
+  /// In addition to that of the noise, internal units; empty if there is no effect
+  Eigen::MatrixXd covariance;
+  /// Share of late beacons (late at all receivers of a stop) among those received at stops
+  double share = 0.0;
 };
 
-/// A beacon that something stands before is heard late by all receivers of a stop. Where few others are heard
-/// there, stop and beacon give way, and no residual is an outlier: the estimate is that of one hypothesis
-/// among several. Each beacon in use at each stop has another one, that it is late. With b its lateness and
-/// w = b / sigma_b by the score (score_test.h), their odds are
+/// An obstacle makes a beacon late at all receivers of a stop. If the stop receives few others, its pose and
+/// the beacon adapt, and no residual is an outlier: the estimate is that of one hypothesis among several. For
+/// each beacon in use at a stop, the alternative is that it is late by b. With w = b / sigma_b from the score
+/// test (score_test.h), the odds are
 ///   share / (1 - share) * sqrt(2 pi) sigma_b / range * exp(w^2 / 2) Phi(w)
-/// for a lateness that is as likely anywhere from none to `range`, twice the median of those that were left
-/// out; and where it is late, the parameters are off by -C J'c b. Over both hypotheses the second moment
-/// about the estimate grows by P (C J'c)(C J'c)' E[b^2] (model averaging: Hoeting, Madigan, Raftery and
-/// Volinsky 1999). Nothing where no beacon was late at a stop, and of drives.
-/// @param parameters  of all that the trajectories hold
+/// for a lateness uniform between 0 and `range`, which is twice the median of the rejected ones. A late
+/// beacon moves the parameters by -C J'c b. Averaged over both hypotheses (Hoeting, Madigan, Raftery and
+/// Volinsky 1999), the second moment about the estimate grows by P (C J'c)(C J'c)' E[b^2]. Without effect if
+/// no beacon was late at a stop, and for drives.
+/// @param parameters  from all of the trajectories
 [[nodiscard]] ShadowRisk shadow_risk(const std::vector<Trajectory>& trajectories, const SharedState& state,
                                      const AdjustedParameters& parameters);
 

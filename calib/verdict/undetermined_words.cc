@@ -11,7 +11,7 @@
 namespace octant::calib {
 namespace {
 
-/// Beacons of which one sentence holds.
+/// Beacons described in one sentence.
 struct BeaconGroup {
   std::vector<std::string> names;
   std::string why, remedy;

@@ -10,16 +10,16 @@ namespace octant::calib {
 /// A beacon that the data do not determine.
 struct UndeterminedBeacon {
   std::string beacon, why, remedy;
-  double sigma_m = 0.0;  ///< of its position, where that it is too large is the reason; else 0
+  double sigma_m = 0.0;  ///< sigma of its position if that is the reason, otherwise 0
 };
 
-/// A sigma from here on says nothing.
+/// Sigma from which a position is described as unknown.
 inline constexpr double kNothingM = 1e4;
 
-/// A length in words; beyond 10 km a sigma says nothing: "nothing".
+/// A length in words; "nothing" from kNothingM on.
 [[nodiscard]] std::string length_in_words(double length_m);
 
-/// "beacon A4 (it was not heard)", and all whose places are known too badly as one: "beacons A1, A2, A3
+/// Groups beacons by reason: "beacon A4 (it was not heard)"; inaccurate ones together as "beacons A1, A2, A3
 /// (their positions are known to 34 to 49 mm only, the tolerance is 30 mm)".
 /// @param limit_m  the tolerance
 [[nodiscard]] std::vector<std::string> in_groups(const std::vector<UndeterminedBeacon>& beacons,

@@ -22,7 +22,7 @@ void LogExtent::add(const Trajectory& t, const MeasurementLog& run, const Site& 
 
 std::optional<double> heard_reach_m(const std::vector<Trajectory>& trajectories,
                                     const std::vector<DeploymentBeacon>& beacons) {
-  constexpr std::size_t kMostPairs = 2'000'000;  // evenly spread ones of a long log tell as much as all
+  constexpr std::size_t kMostPairs = 2'000'000;  // a sample of a long log is sufficient
   constexpr std::size_t kEnoughHeard = 200;
   constexpr double kStrays = 0.005, kMissed = 20.0, kNextToNothing = 0.05;
   std::size_t all = 0;

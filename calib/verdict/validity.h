@@ -15,19 +15,20 @@
 
 namespace octant::calib {
 
-/// Where vehicles were, and how warm it was when something was heard.
+/// Positions of the vehicles and range of temperatures at the arrivals.
 struct LogExtent {
   std::vector<Eigen::Vector2d> places_m;
   double coldest_degC = INFINITY, hottest_degC = -INFINITY;
-  /// @param run  the trajectory's
+  /// @param run  recording of the trajectory
   void add(const Trajectory& trajectory, const MeasurementLog& run, const Site& site);
 };
 
-/// How far a beacon is heard, as a calibration shows it: where the vehicle stood farther from beacons so
-/// often that it would have heard some of them twenty times, had it heard them as it does the nearer ones,
-/// and heard next to nothing. A hall in which all is within reach tells nothing, and neither do few arrivals.
-/// @param beacons  by BeaconId; undetermined ones are not looked at
-/// @return distance within which all but half a percent of what was heard stood [m]
+/// Range within which beacons are received, by the recordings of a calibration. The vehicle must have been
+/// farther away so often that, with the reception of nearer beacons, at least twenty receptions would be
+/// expected, and must have received hardly any. Otherwise no value: a hall within reach of all beacons, or
+/// few arrivals, do not determine a range.
+/// @param beacons  by BeaconId; undetermined ones are ignored
+/// @return distance within which 99.5 % of the received arrivals were [m]
 [[nodiscard]] std::optional<double> heard_reach_m(const std::vector<Trajectory>& trajectories,
                                                   const std::vector<DeploymentBeacon>& beacons);
 

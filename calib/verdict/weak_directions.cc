@@ -15,12 +15,12 @@
 namespace octant::calib {
 namespace {
 
-constexpr double kWorthReporting = 0.5;  ///< share of the tolerance from which a combination is worth telling
+constexpr double kWorthReporting = 0.5;  ///< share of the tolerance from which a combination is reported
 constexpr double kNamedPart =
-    0.1;  ///< share of a combination's square that makes a kind of parameter a part of it
-constexpr double kParameterPart = 0.03;  ///< the same for a single parameter
+    0.1;  ///< share of a combination's square from which a kind of parameter is named
+constexpr double kParameterPart = 0.03;  ///< share from which a single parameter is named
 constexpr std::size_t kSegmentsMoved = 2000;
-/// What one came for first: "delays against speed of sound".
+/// Order in descriptions, most important first: "delays against speed of sound".
 constexpr std::array<ParameterTopic, kParameterTopics> kReportOrder = {
     ParameterTopic::kHeight,   ParameterTopic::kPlace,       ParameterTopic::kDelay, ParameterTopic::kSpeed,
     ParameterTopic::kReceiver, ParameterTopic::kAttenuation, ParameterTopic::kGain,  ParameterTopic::kDrift};
@@ -31,7 +31,7 @@ static_assert(std::ranges::is_permutation(kReportOrder, []() {
 }()));
 constexpr ParameterId kRiseTime = parameters::attenuation(2);
 
-/// Puts a unit combination (in metres) into words.
+/// Describes a unit combination (in metres).
 WeakDirection in_words(const ParameterLayout& layout, const NameTable& names, const Eigen::VectorXd& v) {
   WeakDirection w;
   std::array<double, kParameterTopics> share = {};
@@ -54,7 +54,7 @@ WeakDirection in_words(const ParameterLayout& layout, const NameTable& names, co
   };
   for (const ParameterTopic topic : kReportOrder)
     if (takes_part(topic)) parts.emplace_back(words_of(topic));
-  for (std::size_t k = 0; k < kParameterTopics && w.remedy.empty(); ++k)  // topics stand cheapest first
+  for (std::size_t k = 0; k < kParameterTopics && w.remedy.empty(); ++k)  // topics are in order of cost
     if (takes_part(static_cast<ParameterTopic>(k))) w.remedy = remedy_of(static_cast<ParameterTopic>(k));
   w.description = fmt::format("{}{}", fmt::join(parts, " against "),
                               beacons.empty() ? "" : fmt::format(" ({})", fmt::join(beacons, ", ")));
@@ -75,7 +75,7 @@ double shift_at_robot_m(const ParameterLayout& layout, const Eigen::VectorXd& x,
     for (const Segment& segment : t.segments) {
       if (!t.nodes[segment.first_node].placed) continue;
       if (segment.first_pose < segment.last_pose) {
-        // A measured pose does not move; what counts is how far ranges to it are then off.
+        // A measured pose does not move, so the change of its ranges counts.
         for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
           const ArrivalObservation& a = t.arrivals[i];
           const double range_m =
@@ -110,7 +110,7 @@ std::vector<WeakDirection> weak_directions(const ParameterLayout& layout, const 
     if (worth == ParameterWorth::kRange) metres[i] = options.typical_range_m;
     if (worth == ParameterWorth::kOpen && id != kRiseTime) metres[i] = 0.0;
   }
-  for (std::size_t b = 0; b < usable.size(); ++b)  // told already
+  for (std::size_t b = 0; b < usable.size(); ++b)  // reported already
     for (const int column : layout.columns_of_beacon(b))
       if (!usable[b] && column >= 0) metres[column] = 0.0;
   if (layout.size() == 0) return reported;
@@ -119,7 +119,7 @@ std::vector<WeakDirection> weak_directions(const ParameterLayout& layout, const 
     const double sigma_m = std::sqrt(variance);
     WeakDirection w = in_words(layout, names, v);
     w.sigma_m = sigma_m;
-    // The parameters move together with all that is correlated with the combination.
+    // All parameters move as they are correlated with the combination.
     const Eigen::VectorXd step = C.times(metres.cwiseProduct(v)) / sigma_m;
     w.consequence_m = shift_at_robot_m(layout, x, x + step, trajectories);
     reported.push_back(std::move(w));
