@@ -19,7 +19,7 @@
 namespace octant::calib {
 namespace {
 
-/// Known parameters after the visit; rows of what is held are zero.
+/// Known parameters after the visit; rows of fixed parameters are zero.
 struct Posterior {
   Eigen::VectorXd value;
   Eigen::MatrixXd covariance;
@@ -54,7 +54,7 @@ void write_parameters(const KnownParameters& known, const Posterior& posterior, 
   d.covariance.matrix = posterior.covariance(posterior.free, posterior.free);
 }
 
-/// A control point that was knocked is none any more.
+/// Removes control points that moved from the datum.
 void write_datum(Deployment& d) {
   std::vector<std::string> still;
   for (const DeploymentBeacon& b : d.beacons)

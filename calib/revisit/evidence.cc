@@ -95,7 +95,7 @@ bool is_supported(const Fit& fit, const Deployment& before, const ChangeHypothes
     sum += squares;
     largest = std::max(largest, squares);
   }
-  constexpr double kOfOneArrival = 0.5;  // of another stop, half of what it can explain at most
+  constexpr double kOfOneArrival = 0.5;  // share of what an arrival at another stop can explain at most
   return sum - largest > kOfOneArrival * limit * limit;
 }
 

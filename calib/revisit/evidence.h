@@ -18,8 +18,8 @@ namespace octant::calib {
 /// @param noise_ratio  noise of the fit over the noise that both are compared at
 [[nodiscard]] double truncated_squares(const Fit& fit, double limit, double noise_ratio);
 
-/// Price of the changes that a search holds: the squares that each of them would explain by chance with a
-/// probability of kFalseAlarm over the number of hypotheses.
+/// Price of the changes in a search: the squares that each of them would explain by chance with a probability
+/// of kFalseAlarm over the number of hypotheses.
 [[nodiscard]] double price_of(const ChangeSearch& search);
 
 /// Truncated squares that a change of one hypothesis could explain at most.

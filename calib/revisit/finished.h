@@ -8,7 +8,7 @@
 
 namespace octant::calib {
 
-/// The new deployment with where it came from.
+/// Completes the new deployment with its provenance.
 [[nodiscard]] Deployment finished(const Revisit& revisit, const Deployment& before,
                                   const Provenance& provenance);
 

@@ -13,10 +13,10 @@
 namespace octant::calib {
 namespace {
 
-/// Share of a beacon's arrivals left out, of those in use, from which its place is doubted.
+/// Share of rejected arrivals from which the position of a beacon is in doubt.
 constexpr double kManyOut = 0.15;
 
-/// Counts, and the median of the residuals in a state, of those arrivals that are `mine`.
+/// Counts, and median residual in a state, of the arrivals for which `mine` is true.
 template <class Mine>
 Heard heard_of(std::string name, const std::vector<Trajectory>& trajectories, const SharedState& state,
                Mine&& mine) {
@@ -37,7 +37,8 @@ Heard heard_of(std::string name, const std::vector<Trajectory>& trajectories, co
   return h;
 }
 
-/// Of each of so many beacons or receivers. @param as_before  puts one back to where it was
+/// Computes these values for each beacon or receiver.
+/// @param as_before  restores the earlier values of one of them
 /// @param owner  beacon or receiver of an arrival
 template <class Name, class AsBefore, class Owner>
 std::vector<Heard> heard_of_each(std::size_t count, const std::vector<Trajectory>& trajectories,
@@ -52,7 +53,7 @@ std::vector<Heard> heard_of_each(std::size_t count, const std::vector<Trajectory
   return all;
 }
 
-/// Adds what was received and expected of each.
+/// Adds the numbers of received and expected arrivals.
 std::vector<Heard> with_receptions(std::vector<Heard> heard, const std::vector<Reception>& receptions) {
   for (std::size_t i = 0; i < heard.size(); ++i) {
     heard[i].reception = receptions[i];

@@ -14,12 +14,11 @@
 
 namespace octant::calib {
 
-/// What was heard of a beacon, or by a receiver.
+/// Arrivals from a beacon, or at a receiver.
 struct Heard {
   std::string name;  ///< "B3", "robot/r0"
   std::size_t used = 0, late = 0, early = 0;
-  double misfit_s = 0.0;  ///< median over its arrivals of observed less predicted, were it as the earlier
-                          ///< calibration left it
+  double misfit_s = 0.0;  ///< median of observed minus predicted time for the earlier calibration
   Reception reception;    ///< arrivals received and expected
 };
 
@@ -30,17 +29,18 @@ struct Heard {
 [[nodiscard]] std::vector<std::string> not_observed_of(const Deployment& before,
                                                        const std::vector<Heard>& beacons);
 
-/// Beacons that lost many of their arrivals, so that their places are in doubt; most doubtful first.
+/// Beacons that lost many of their arrivals, so that their positions are in doubt; most doubtful first.
 [[nodiscard]] std::vector<std::size_t> doubtful_beacons(const Deployment& before,
                                                         const std::vector<Trajectory>& trajectories);
 
-/// Beacons that a visit of a planar vehicle found below its receivers and that hung above them, or the other
-/// way round, are put to their image, which no arrival tells from there. @return whether there were any
+/// Moves beacons to their mirror image if a planar visit found them on the other side of the receivers' plane
+/// than before; arrivals do not distinguish the two.
+/// @return true if there were any
 [[nodiscard]] bool turn_to_known_side(const Deployment& before, const ParameterLayout& layout,
                                       Eigen::VectorXd& x);
 
-/// What was heard of each beacon of the earlier deployment, or by each receiver. @param state  as a visit
-/// found it
+/// Arrivals from each beacon of the earlier deployment, or at each receiver.
+/// @param state  state found by the visit
 [[nodiscard]] std::vector<Heard> heard_of_beacons(const Deployment& before,
                                                   const std::vector<Trajectory>& trajectories,
                                                   const SharedState& state);

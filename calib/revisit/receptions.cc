@@ -21,7 +21,7 @@ bool is_selected(std::size_t index, std::size_t stride) {
   return ((index * kGolden) >> 32U) % stride == 0;
 }
 
-/// Whether an axis leaves a point in the receivers' field of view.
+/// Returns true if a point is within the field of view of a receiver.
 bool is_in_view(const Deployment& d, VehicleId vehicle, const Pose& T_map_vehicle,
                 const Eigen::Vector3d& p_map_m) {
   const Eigen::Vector3d to = T_map_vehicle.rotation.conjugate() * (p_map_m - T_map_vehicle.translation_m);
@@ -64,8 +64,9 @@ class ClusterSize {
   std::vector<std::size_t> in_node_;
 };
 
-/// Tests the owners of arrivals. @param of_vehicle  whether a trajectory counts
-/// @param distances  (trajectory, pose): of all owners
+/// Tests the owners of arrivals.
+/// @param of_vehicle  returns true if a trajectory counts
+/// @param distances  (trajectory, pose): distances of all owners
 template <class Owner, class OfVehicle, class Distances>
 std::vector<Reception> receptions(std::size_t count, double reach_m,
                                   const std::vector<Trajectory>& trajectories, Owner owner,

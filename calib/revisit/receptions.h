@@ -11,7 +11,7 @@
 namespace octant::calib {
 
 /// Arrivals received from each beacon of the earlier deployment, and the numbers expected along the path of
-/// the visit: within the reach that the deployment states, and within the receivers' field of view.
+/// the visit: within the reach in the deployment, and within the receivers' field of view.
 [[nodiscard]] std::vector<Reception> receptions_of_beacons(const Deployment& before,
                                                            const std::vector<Trajectory>& trajectories);
 

@@ -31,22 +31,22 @@ namespace octant::calib {
 namespace {
 
 constexpr int kRounds = 6;
-/// Arrivals of a drive that show what changed; the others only make it more precise.
+/// Number of arrivals of a drive in which changes are searched; the others only improve the precision.
 constexpr std::size_t kEnoughArrivals = 3'000;
 constexpr int kPassesOfAll = 2;
-/// Of the air where no thermometer was read: some ten degrees.
+/// Sigma of the speed if no temperature was recorded: about ten degrees.
 constexpr double kUnknownTemperature_mps = 6.0;
-constexpr std::size_t kMostReconsidered = 3;  ///< beacons one by one: each is an adjustment
-/// Changes that chance makes less often leave something unexplained.
+constexpr std::size_t kMostReconsidered = 3;  ///< beacons reconsidered one by one; each needs an adjustment
+/// Probability of the remaining differences below which something is unexplained.
 constexpr double kUnexplained = 1.0e-4;
-/// Arrivals of a visit that hardly determine all changes at once, so that these are tried one by one.
+/// Number of arrivals that hardly determine all changes at once, so that these are tried one by one.
 constexpr std::size_t kFewArrivals = 1'000;
 /// Twice the log-likelihood ratio from which more changes are a better explanation than fewer.
 constexpr double kClearlyBetter = 10.0;
-constexpr int kMostTried = 3;  ///< changes of a visit of few arrivals
+constexpr int kMostTried = 3;  ///< maximum number of changes of a visit with few arrivals
 
 using Standing = VisitFit::Standing;
-/// Changes that may explain a visit, and what the visit says if they do.
+/// Changes that may explain a visit, and the results under these changes.
 struct Explanation {
   Standing standing;
   VisitInformation visit;
@@ -98,9 +98,9 @@ class SecondVisit {
     return false;
   }
 
-  /// Explanations compete: changes found with room for all of them at once, none or those that follow from
-  /// none, and for few arrivals those that explain most one by one. Few arrivals do not determine all changes
-  /// at once, and then none is believed before it explains more than its price.
+  /// Compares explanations: changes found with wide priors for all of them at once; no changes, or those that
+  /// follow from it; and for few arrivals those that explain most one by one. Few arrivals do not determine
+  /// all changes at once, so each change must explain more than its price.
   bool find_best_explanation(const Problem& problem) {
     if (!monitor_.report("initial values", 0.02)) return stopped();
     std::optional<Standing> at_known;
@@ -146,13 +146,13 @@ class SecondVisit {
 
   [[nodiscard]] Explanation explanation() const { return {fit_.now, visit_, out_.comparison}; }
 
-  /// Squares left and the price of the changes, at some noise.
+  /// Remaining squares and price of the changes, at some noise.
   [[nodiscard]] double score(const Explanation& e, double sigma_s) const {
     return truncated_squares(e.standing.fit, options_.solve.rejection_sigmas, e.standing.sigma_s / sigma_s) +
            price_of(e.comparison.search);
   }
 
-  /// Explanations that start from what was known, and the best of all.
+  /// Examines explanations that start from the earlier calibration, and selects the best of all.
   void compare_with_known(Standing at_known, std::optional<Explanation>& best) {
     fit_.now = std::move(at_known);
     if (best) fit_.scale_noise(best->standing.sigma_s / fit_.now.sigma_s);
@@ -172,7 +172,7 @@ class SecondVisit {
     }
   }
 
-  /// Adjusts with nothing released. Few arrivals show their noise only while nothing is released.
+  /// Adjusts without any change. Few arrivals determine their noise only without changes.
   bool adjust_to_known() {
     const Eigen::MatrixXd prior = drifted();
     if (!fit_.adjust_under(prior, VisitFit::Noise::kFixed)) return false;
@@ -183,7 +183,7 @@ class SecondVisit {
     return fit_.adjust_under(prior, VisitFit::Noise::kFixed);
   }
 
-  /// The changes that explain most when each is released alone, added one by one.
+  /// Changes that explain most when each is released alone, added one by one.
   [[nodiscard]] Released changes_one_by_one(const Standing& start) {
     const double limit = options_.solve.rejection_sigmas;
     const std::vector<ChangeHypothesis> hypotheses = change_hypotheses(known_);
@@ -218,7 +218,7 @@ class SecondVisit {
     return released;
   }
 
-  /// Holds beacons where they hung before; takes that back unless it explains more.
+  /// Fixes beacons at their earlier positions; undoes this unless it explains more.
   [[nodiscard]] bool hold(const std::vector<std::size_t>& beacons, Standing& best, Eigen::MatrixXd& room) {
     Eigen::MatrixXd held = room;
     for (const std::size_t b : beacons) fit_.put(b, before_.beacons[b].position_m);
@@ -235,11 +235,12 @@ class SecondVisit {
     return better;
   }
 
-  /// A beacon that is heard by a few stops of one side alone, and some of whose arrivals are echoes, may
-  /// trade its place for its delay. Those that lost many arrivals are held where they hung before, all at
-  /// once or else the most doubtful one by one, and stay held if that leaves less unexplained: a beacon that
-  /// did move would lose most of them.
-  /// @param room  of changes beside the drift  @return the room that is left
+  /// A beacon received at a few stops on one side only, with some echoes, may exchange position for delay.
+  /// Beacons that lost many arrivals are fixed at their earlier positions, all at once or else the most
+  /// doubtful one by one. They remain fixed if less is unexplained: a beacon that did move would lose most of
+  /// them.
+  /// @param room  variances of changes in addition to the drift
+  /// @return the remaining variances
   [[nodiscard]] Eigen::MatrixXd reconsidered(Eigen::MatrixXd room) {
     std::vector<std::size_t> doubtful = doubtful_beacons(before_, fit_.now.fit.trajectories);
     if (doubtful.empty()) return room;
@@ -250,13 +251,13 @@ class SecondVisit {
     return room;
   }
 
-  /// Changes found with room for all of them, and then with room for these alone.
+  /// Finds changes with wide priors for all of them, and then only for these.
   bool find_changes_at_once() {
     if (!monitor_.report("what changed", 0.7)) return stopped();
     const Eigen::MatrixXd prior = drifted();
     Eigen::MatrixXd room = fit_.room_around(room_).asDiagonal();
     if (!fit_.adjust_under(prior + room)) return false;
-    if (fit_.locate_lost()) {  // one that hangs metres away may have ended at its mirror image
+    if (fit_.locate_lost()) {  // a beacon metres away may have converged to its mirror image
       room = fit_.room_around(room_).asDiagonal();
       if (!fit_.adjust_under(prior + room)) return false;
     }
@@ -267,7 +268,7 @@ class SecondVisit {
     return explain(changed_parameters(out_.comparison, known_), VisitFit::Noise::kAsFound);
   }
 
-  /// What the visit says where the fit stands under a prior P.
+  /// Computes the information of the visit at the current fit under a prior P, and searches for changes.
   void look_for_changes(const Eigen::MatrixXd& P, bool known_white = false, bool again = true) {
     visit_ = visit_information(fit_.now.fit, known_, P, before_, options_.solve.threads, known_white);
     if (again) compare_visits();
@@ -282,8 +283,8 @@ class SecondVisit {
                               innovation_of_information(drifted(), visit_.N, visit_.gradient), is_possible);
   }
 
-  /// Adjusts with some changes released and looks for changes again, until the same ones are found. A change
-  /// that a single stop supports is not looked for again.
+  /// Adjusts with some changes released and searches again, until the same ones are found. A change that only
+  /// a single stop supports is not searched again.
   bool explain(Released released, VisitFit::Noise noise) {
     for (int round = 1; round < kRounds; ++round) {
       if (!monitor_.report("what changed", 0.7 + 0.05 * round)) return stopped();
@@ -299,7 +300,8 @@ class SecondVisit {
     return true;
   }
 
-  /// Takes changes that a single stop supports out of the search. @return whether there were any
+  /// Removes changes that only a single stop supports from the search.
+  /// @return true if there were any
   bool forget_unsupported() {
     const std::size_t count = unsupported_.size();
     for (const std::size_t k : out_.comparison.search.held())
@@ -311,16 +313,15 @@ class SecondVisit {
     return true;
   }
 
-  /// What was known, and how it may have drifted.
+  /// Prior covariance including the drift.
   [[nodiscard]] Eigen::MatrixXd drifted() const {
     Eigen::MatrixXd P = known_.covariance;
     P.diagonal() += drift_;
     return P;
   }
 
-  /// The whole drive from where a part of it has put the parameters: they are good to a fraction of the
-  /// noise, so that states are placed and solved once and one linearisation does, repeated where that has
-  /// moved them.
+  /// Adjusts the whole drive, starting from the parameters of its part. These are accurate to a fraction of
+  /// the noise, so states are solved once and one linearisation suffices, repeated if it moved them.
   bool refine_on_all_arrivals() {
     if (!monitor_.report("the whole recording", 0.9)) return stopped();
     fit_.now.fit.problem.runs.resize(problem_.runs.size());
@@ -333,8 +334,8 @@ class SecondVisit {
     const bool known_white = !visit_.correlated;
     const Eigen::MatrixXd prior = drifted();
     for (int pass = 0; pass < kPassesOfAll; ++pass) {
-      // The error model is of the residuals that white weights leave: it is told once, where these have led,
-      // and until then what changed stays what the part has shown.
+      // The error model is estimated once, from the residuals of the last pass. Until then the changes remain
+      // those of the part.
       const bool last = pass + 1 == kPassesOfAll;
       const SharedState state = fit_.now.fit.state();
       fit_.solve_all_states(pass == 0 ? kCauchyScale : 0.0);
@@ -385,7 +386,7 @@ class SecondVisit {
   Eigen::VectorXd drift_, room_;  ///< variances
   Problem problem_;
   VisitInformation visit_;
-  std::vector<ChangeHypothesis> unsupported_;  ///< changes that a single stop would support
+  std::vector<ChangeHypothesis> unsupported_;  ///< changes that only a single stop supports
   Revisit out_;
 };
 

@@ -17,42 +17,40 @@ namespace octant::calib {
 
 struct RevisitOptions {
   SolveOptions solve;
-  Drift drift;  ///< allowed for since the earlier calibration
+  Drift drift;  ///< drift since the earlier calibration
 };
 
-/// A second visit to a calibrated site: as found, as left.
+/// A second visit to a calibrated site: changes found, and the new calibration.
 struct Revisit {
   SolveStatus status = SolveStatus::kNotConverged;
   std::string message;    ///< one sentence on the outcome
-  std::string remedy;     ///< what to record or to do where there is none
-  Comparison comparison;  ///< as found, owners and columns of the earlier deployment
+  std::string remedy;     ///< advice for further recordings, if there is no result
+  Comparison comparison;  ///< changes found, with owners and columns of the earlier deployment
   std::vector<Heard> beacons, receivers;
   std::vector<Silence> silent;            ///< beacons and receivers received far less than expected
   std::vector<std::string> not_observed;  ///< beacons out of reach along this path; carried over
   std::vector<std::string> not_judged;    ///< beacons received at a single stop, which shows no change
   MediumFound medium;
-  Drift drift;         ///< as allowed for: where no thermometer was read the speed may be any
+  Drift drift;         ///< as assumed; the speed is free if no temperature was recorded
   Deployment as_left;  ///< status kConverged; provenance is not filled in (finished())
   std::vector<std::string> warnings;
   double seconds = 0.0;
 };
 
-/// What a second visit says changed, and the calibration as it is now.
+/// Finds the changes since the earlier calibration, and the calibration of now.
 ///
-/// The earlier deployment is a Gaussian prior of all that it knew, its joint covariance C widened by a drift
-/// D. Of a beacon that moved nothing of that holds, and arrivals that contradict a narrow prior would be left
-/// out as outliers; so
-///   1. the visit is adjusted with room for changes of any usual size in everything, control points too (the
-///   vehicle's poses float, so
-///      that a control point that was knocked bends nothing else),
-///   2. what the visit says on its own is taken out of that (visit_information.h), compared with C + D, and
-///   the set of changes is
-///      searched that explains the difference best (change_search.h): linear algebra, no further adjustment,
-///   3. it is adjusted again with these released and all else held by C + D, until the same changes are
-///   found.
-/// As left: theta = theta_1 + (P^-1 + N)^-1 N (theta_2 - theta_1), P = C + D + what was released. What was
-/// held (control points, a stated receiver) stays as it is where it is not found changed. Errors: runs that
-/// do not fit the site.
+/// The earlier deployment is a Gaussian prior, its joint covariance C enlarged by a drift D. For a beacon
+/// that moved this prior is wrong, and arrivals that contradict a narrow prior would be rejected as outliers.
+/// Therefore
+///   1. the visit is adjusted with a prior wide enough for common changes of all parameters, also of control
+///      points (the vehicle's poses are free, so a control point that moved distorts nothing else),
+///   2. the information of the visit alone is extracted (visit_information.h) and compared with C + D, and
+///   the
+///      set of changes that explains the difference best is searched (change_search.h): linear algebra only,
+///   3. it is adjusted again with these released and all else under C + D, until the same changes are found.
+/// New calibration: theta = theta_1 + (P^-1 + N)^-1 N (theta_2 - theta_1), P = C + D + released variances.
+/// Fixed values (control points, fixed receivers) remain unless they changed. Errors: runs that do not fit
+/// the site.
 [[nodiscard]] Result<Revisit> revisit(const Deployment& before, std::vector<MeasurementLog> runs,
                                       const RevisitOptions& options);
 

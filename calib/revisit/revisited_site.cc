@@ -13,8 +13,8 @@
 namespace octant::calib {
 namespace {
 
-/// What is known of a parameter becomes the site's prior. Visitor: see visit_parameter. What an array's shape
-/// and the site's delay are stands on receivers and beacons, and biases of pairs are forgotten.
+/// Writes the known value of a parameter as a prior of the site. Visitor: see visit_parameter. The shape of
+/// an array is in its receivers and the site's delay in its beacons; biases of pairs are omitted.
 struct PriorOfSite : HasNothing<void> {
   Site& site;
   const Deployment& d;
@@ -36,7 +36,7 @@ struct PriorOfSite : HasNothing<void> {
   void receiver_delay(std::size_t) const {
     site.timing.delay_sigma_s = std::max({site.timing.delay_sigma_s, std::abs(prior.value), prior.sigma});
   }
-  // The offset starts at nothing, and is known to be what it was.
+  // The offset starts at zero, so its sigma includes its known value.
   void speed(std::size_t) const { site.speed_sigma_mps = std::hypot(prior.sigma, prior.value); }
   void attenuation(std::size_t unknown) const { attenuation_unknown(*site.attenuation, unknown) = prior; }
   void clock_drift(std::size_t) const {
@@ -58,7 +58,7 @@ Eigen::VectorXd room_for_change(const KnownParameters& known) {
 
 Site revisited_site(const Deployment& d, const KnownParameters& known, const Eigen::VectorXd& variance) {
   Site site = deployed_site(d);
-  site.timing.delay_per.site = false;  // it stands on the beacons
+  site.timing.delay_per.site = false;  // the beacons contain it
   site.noise.tof_sigma_s =
       std::hypot(d.noise.tof_sigma_s, d.correlated_noise.sigma_s, d.correlated_noise.pair_sigma_s);
   for (Eigen::Index k = 0; k < known.size(); ++k)
@@ -76,7 +76,7 @@ std::vector<int> columns_of(const ParameterLayout& layout, const KnownParameters
 void set_joint_prior(ParameterLayout& layout, const KnownParameters& known,
                      const Eigen::MatrixXd& covariance) {
   const std::vector<int> column = columns_of(layout, known);
-  std::vector<std::pair<int, int>> order;  // columns ascending, and their parameters
+  std::vector<std::pair<int, int>> order;  // ascending columns with their parameters
   for (std::size_t k = 0; k < column.size(); ++k)
     if (column[k] >= 0) order.emplace_back(column[k], static_cast<int>(k));
   std::ranges::sort(order);

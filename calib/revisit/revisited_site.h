@@ -13,21 +13,21 @@
 
 namespace octant::calib {
 
-/// Variances of changes of a usual size [SI], which keep arrivals of what changed from being rejected as
-/// outliers before the change is known; 0 for parameters of which no change is looked for.
+/// Variances of changes of common size [SI], which prevent arrivals of a changed beacon from being rejected
+/// before the change is known; 0 for parameters whose changes are not searched.
 [[nodiscard]] Eigen::VectorXd room_for_change(const KnownParameters& known);
 
-/// The site as an earlier calibration left it, for a second visit: everything that it knows is free, control
-/// points too, each with its own variance as a prior. Beacons that it did not determine have none.
+/// Site for a second visit: all parameters of the earlier calibration are free, also control points, each
+/// with its own variance as a prior. Beacons that were undetermined have no prior.
 /// @param variance  of each known parameter [SI]
 [[nodiscard]] Site revisited_site(const Deployment& deployment, const KnownParameters& known,
                                   const Eigen::VectorXd& variance);
 
-/// Columns of the known parameters in a layout of that site, -1: held there.
+/// Columns of the known parameters in a layout of that site; -1 for fixed ones.
 [[nodiscard]] std::vector<int> columns_of(const ParameterLayout& layout, const KnownParameters& known);
 
-/// Puts what is known of the parameters together in the place of what is known of each. @param covariance
-/// [SI], positive definite
+/// Replaces the separate priors of the known parameters by their joint prior.
+/// @param covariance  [SI], positive definite
 void set_joint_prior(ParameterLayout& layout, const KnownParameters& known,
                      const Eigen::MatrixXd& covariance);
 

@@ -10,10 +10,10 @@
 namespace octant::calib {
 namespace {
 
-constexpr double kPitches = 10.0;  ///< stretches of a drive
+constexpr double kPitches = 10.0;  ///< number of segments of a drive
 constexpr double kShortestStretch_s = 2.0;
 
-/// Rows of a list between two instants, which is in the order of time.
+/// Rows of a sorted list between two times.
 template <class Row>
 std::vector<Row> rows_between(const std::vector<Row>& rows, double from_s, double to_s) {
   std::vector<Row> some;
@@ -30,7 +30,7 @@ MeasurementLog stretch_of(const MeasurementLog& run, double from_s, double to_s)
   out.bearings = rows_between(run.bearings, from_s, to_s);
   out.odometry = rows_between(run.odometry, from_s, to_s);
   std::vector<VehicleId> anchored;
-  for (OdometryStep& step : out.odometry) {  // the first row of each vehicle has none before it
+  for (OdometryStep& step : out.odometry) {  // the first row of each vehicle has no predecessor
     if (std::ranges::find(anchored, step.vehicle) != anchored.end()) continue;
     anchored.push_back(step.vehicle);
     step.set_pose({});

@@ -9,8 +9,8 @@
 
 namespace octant::calib {
 
-/// Short stretches of drives, evenly spread over each, as recordings of their own that together hold about so
-/// many arrivals; other recordings as they are. Empty where all hold no more than twice that.
+/// Short, evenly spread segments of drives as separate recordings with about the given total number of
+/// arrivals; other recordings unchanged. Empty if the recordings have at most twice that number.
 [[nodiscard]] std::vector<MeasurementLog> evenly_spread_stretches(const std::vector<MeasurementLog>& runs,
                                                                   std::size_t arrivals);
 

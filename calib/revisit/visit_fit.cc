@@ -23,10 +23,10 @@
 namespace octant::calib {
 namespace {
 
-/// By which ranges may be off while states are placed by what was known, at least.
+/// Least uncertainty of ranges while states are solved with the earlier parameters.
 constexpr double kRangeUncertainty_m = 0.05;
 constexpr double kRangeSigmas = 5.0;
-constexpr std::size_t kFewestRanges = 10;  ///< that locate a beacon
+constexpr std::size_t kFewestRanges = 10;  ///< least number of ranges that locate a beacon
 
 }  // namespace
 

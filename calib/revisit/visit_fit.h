@@ -16,10 +16,10 @@
 
 namespace octant::calib {
 
-/// Fit of a second visit under a Gaussian prior of what the first one knew.
+/// Fit of a second visit under the Gaussian prior of the first one.
 class VisitFit {
  public:
-  /// A fit that can be returned to.
+  /// A saved fit.
   struct Standing {
     Fit fit;
     ParameterLayout layout;  ///< without the joint prior
@@ -31,34 +31,38 @@ class VisitFit {
   VisitFit(const Deployment& before, const KnownParameters& known, const SolveOptions& options)
       : before_(before), known_(known), options_(options) {}
 
-  /// Places states by what was known: most of it still holds. False where no state finds a place.
+  /// Solves the states with the earlier parameters, most of which are still correct. False if no state has a
+  /// solution.
   bool start_from_known(const Problem& problem);
-  /// Approximate states and parameters, by what the largest consensus of arrivals agrees on.
-  /// @return why there are none; status kConverged where there are some
+  /// Approximate states and parameters by the largest consensus of arrivals.
+  /// @return the reason if there are none; status kConverged otherwise
   [[nodiscard]] Solution start_from_consensus(const Problem& problem, ProgressMonitor& monitor);
 
-  /// Whether the noise of the arrivals follows the residuals. It is never less than stated: few arrivals
-  /// leave residuals that are as small as the freedom of the parameters makes them.
+  /// Noise of the arrivals: estimated from the residuals, or fixed. It is never below the expected one,
+  /// because the residuals of few arrivals are reduced by the free parameters.
   enum class Noise { kAsFound, kFixed };
-  /// Adjusts with all arrivals admitted. @param P  covariance of the known parameters [SI]
+  /// Adjusts with all arrivals admitted.
+  /// @param P  covariance of the known parameters [SI]
   bool adjust_under(const Eigen::MatrixXd& P, Noise noise = Noise::kAsFound);
   /// Multiplies the noise of the arrivals.
   void scale_noise(double factor);
 
-  /// Places states that have none, by the parameters as they stand. In other air many are missed at first.
+  /// Solves states without a solution again at the current parameters. At another speed of sound many are
+  /// missing at first.
   bool place_missing();
-  /// Puts beacons most of whose arrivals do not fit where their own ranges place them.
-  /// @return whether there were any
+  /// Moves beacons most of whose arrivals disagree to the position given by their own ranges.
+  /// @return true if there were any
   bool locate_lost();
-  /// Puts a beacon to a place, with the delay that it had.
+  /// Moves a beacon to a position, with its earlier delay.
   void put(std::size_t beacon, const Eigen::Vector3d& p_map_m);
-  /// Solves the states at the parameters as they stand. @param scale  of the loss; 0: plain squares
+  /// Solves the states at the current parameters.
+  /// @param scale  scale of the loss; 0: least squares
   void solve_all_states(double scale);
-  /// Half the squares of all arrivals and priors where the fit stands.
+  /// Half the squares of all arrivals and priors at the current fit.
   [[nodiscard]] double data_cost() const;
-  /// Puts the known parameters to some values [SI].
+  /// Sets the known parameters [SI].
   void move_to(const Eigen::VectorXd& value);
-  /// Variances [SI], at least the squares by which the parameters are off what was known.
+  /// Variances [SI], at least the squared deviations of the parameters from their earlier values.
   [[nodiscard]] Eigen::VectorXd room_around(Eigen::VectorXd room) const;
 
   [[nodiscard]] std::size_t arrival_count() const;
@@ -68,7 +72,7 @@ class VisitFit {
  private:
   void set_start(const Problem& problem, const SharedState& state, std::vector<bool> usable,
                  std::vector<Trajectory> trajectories);
-  /// Value of a known parameter [SI] less the value it had; 0 where it is held.
+  /// Value of a known parameter [SI] minus its earlier value; 0 if it is fixed.
   [[nodiscard]] double shift_of(Eigen::Index parameter) const;
 
   const Deployment& before_;

@@ -18,12 +18,12 @@ namespace octant::calib {
 namespace {
 
 constexpr std::size_t kSampledRows = 40'000;
-constexpr double kAboutAsLarge = 0.5;  ///< logarithms of variances, from one model alone to the other alone
-constexpr double kUnobservableShare = 1e-9;  ///< of the information beside that of the prior
-constexpr double kVisitRidge = 1e-13;        ///< of information scaled to a unit diagonal
+/// Range of the logarithm of the variance ratio over which both models are mixed
+constexpr double kAboutAsLarge = 0.5;
+constexpr double kUnobservableShare = 1e-9;  ///< share of the larger of prior and visit
+constexpr double kVisitRidge = 1e-13;        ///< ridge on information scaled to a unit diagonal
 
-/// Errors of a pair that hang together as exp(-t / time_s), and those that it keeps for good; variances as
-/// shares of the whole.
+/// Errors of a pair: correlated as exp(-t / time_s), and constant; variances as shares of the whole.
 struct StatedErrors {
   double white = 1.0, correlated = 0.0, pair = 0.0, time_s = 0.0;
 };
@@ -36,15 +36,15 @@ StatedErrors stated_errors(const Deployment& d) {
   return {white / all, some / all, pair / all, c.time_s};
 }
 
-/// What errors of that kind make of the covariance: L (I + F' (Omega - I) F) L'.
+/// Covariance under errors of that kind: L (I + F' (Omega - I) F) L'.
 Eigen::MatrixXd covariance_under(const StatedErrors& errors, const ErrorSample& sample) {
   std::map<std::tuple<std::size_t, int, int>, std::vector<std::size_t>> pairs;
   for (std::size_t i = 0; i < sample.rows.size(); ++i)
     if (const ErrorSample::Row& row = sample.rows[i]; row.kind == ErrorSample::Kind::kArrival)
       pairs[{row.run, row.beacon, row.receiver}].push_back(i);
   const Eigen::Index rank = sample.F.cols();
-  // F' (Omega - I) F is G'F and its transpose, G what each row has in common with those before it of its
-  // pair.
+  // F' (Omega - I) F is G'F and its transpose. G is the correlated part of each row with the earlier rows of
+  // its pair.
   std::vector<float> F, G;
   Eigen::RowVectorXf faded(rank), sum(rank), g(rank);
   const auto add = [&](const Eigen::RowVectorXf& row, const Eigen::RowVectorXf& with) {
@@ -54,7 +54,7 @@ Eigen::MatrixXd covariance_under(const StatedErrors& errors, const ErrorSample& 
   for (auto& [pair, rows] : pairs) {
     std::ranges::sort(
         rows, [&](std::size_t a, std::size_t b) { return sample.rows[a].time_s < sample.rows[b].time_s; });
-    faded.setZero();  // of the rows before, as much as is left of their errors
+    faded.setZero();  // remaining errors of the earlier rows
     sum.setZero();
     double last_s = -INFINITY;
     for (const std::size_t i : rows) {
@@ -77,7 +77,7 @@ Eigen::MatrixXd covariance_under(const StatedErrors& errors, const ErrorSample& 
   return sample.L * S * sample.L.transpose();
 }
 
-/// Honest covariance of all parameters of a fit; empty where errors are white.
+/// Covariance of all parameters with correlated errors; empty if errors are white.
 Eigen::MatrixXd correlated_covariance(const Fit& fit, const Eigen::MatrixXd& white, const Deployment& noise,
                                       int threads) {
   const SharedState state = fit.state();
@@ -93,7 +93,7 @@ Eigen::MatrixXd correlated_covariance(const Fit& fit, const Eigen::MatrixXd& whi
   return between_error_models(white, stated, shown.covariance);
 }
 
-/// Columns of the known parameters that are free, and of all others.
+/// Columns of the free known parameters, and of all others.
 struct KnownColumns {
   std::vector<int> known, of_known, others;
 };
@@ -113,7 +113,7 @@ KnownColumns known_columns_of(const ParameterLayout& layout, const KnownParamete
   return p;
 }
 
-/// Of what is known of parameters each for itself.
+/// Gradient of the separate priors of parameters.
 Eigen::VectorXd own_prior_gradient(const Fit& fit, const std::vector<int>& columns) {
   Eigen::VectorXd gradient(static_cast<Eigen::Index>(columns.size()));
   for (std::size_t k = 0; k < columns.size(); ++k) {
@@ -125,7 +125,7 @@ Eigen::VectorXd own_prior_gradient(const Fit& fit, const std::vector<int>& colum
   return gradient;
 }
 
-/// N M^-1 N and what becomes of the gradient, in coordinates in which the prior is the unit matrix.
+/// Replaces N by N M^-1 N and transforms the gradient, in coordinates in which the prior is the unit matrix.
 void discount(const Eigen::MatrixXd& honest, Eigen::MatrixXd& N, Eigen::VectorXd& gradient) {
   const SymmetricEigen<Eigen::MatrixXd> eigen(N);
   const Eigen::VectorXd& l = eigen.eigenvalues();
@@ -134,7 +134,7 @@ void discount(const Eigen::MatrixXd& honest, Eigen::MatrixXd& N, Eigen::VectorXd
   const Eigen::VectorXd observed = l.tail(observable), sum = (observed.array() + 1.0).matrix();
   Eigen::MatrixXd M = sum.asDiagonal() * (V.transpose() * honest * V) * sum.asDiagonal();
   M.diagonal().array() -= 1.0;
-  // Errors that keep together are worth no more than white ones.
+  // Correlated errors carry no more information than white ones.
   const Eigen::VectorXd root = observed.cwiseSqrt(), per = root.cwiseInverse();
   const SymmetricEigen<Eigen::MatrixXd> ratio(per.asDiagonal() * (0.5 * (M + M.transpose())) *
                                               per.asDiagonal());
