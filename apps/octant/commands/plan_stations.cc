@@ -39,9 +39,11 @@ KnownBefore known_from_runs(const PlanArgs& args, const Site& site, Session& ses
   options.on_finding = [&session](const calib::Finding& f) { session.warn(f.text); };
   const calib::Calibration calibration =
       need(calib::calibrate(site, read_runs(args.runs, site, {}, session), options));
-  const auto& [problem, solution, findings, deployment] = calibration;
+  const calib::Problem& problem = calibration.problem;
+  const calib::Solution& solution = calibration.solution;
   stop_if_interrupted(solution.status == calib::SolveStatus::kInterrupted);
-  if (!deployment) session.warn("the recordings alone would not be exported: " + solution.message);
+  if (!calibration.deployment)
+    session.warn("the recordings alone would not be exported: " + solution.message);
   for (const Contradiction& c : solution.contradictions)
     session.warn(fmt::format("The recordings contradict what was stated: {}; {}", in_words(c), c.remedy));
   KnownBefore before{
