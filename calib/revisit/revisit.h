@@ -45,8 +45,7 @@ struct Revisit {
 ///   1. the visit is adjusted with a prior wide enough for common changes of all parameters, also of control
 ///      points (the vehicle's poses are free, so a control point that moved distorts nothing else),
 ///   2. the information of the visit alone is extracted (visit_information.h) and compared with C + D, and
-///   the
-///      set of changes that explains the difference best is searched (change_search.h): linear algebra only,
+///      the set of changes that explains the difference best is searched by linear algebra (change_search.h),
 ///   3. it is adjusted again with these released and all else under C + D, until the same changes are found.
 /// New calibration: theta = theta_1 + (P^-1 + N)^-1 N (theta_2 - theta_1), P = C + D + released variances.
 /// Fixed values (control points, fixed receivers) remain unless they changed. Errors: runs that do not fit
