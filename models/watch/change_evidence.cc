@@ -12,15 +12,15 @@ namespace {
 
 /// Numbers of the last blocks from which on a change is tested.
 constexpr std::array<std::size_t, 17> kSince = {2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 20, 24};
-/// Blocks in all without which there is no test: they show the errors of the place.
+/// Least total number of blocks for a test; they show the errors that depend on the place.
 constexpr std::size_t kLeastBlocks = 6;
 /// Prior sigma of a change along each axis [m].
 constexpr double kChanged_m = 0.2;
-/// Log likelihood ratio between the accused and any other member (one in a thousand), and between the forms
+/// Log-likelihood ratio between the suspect and any other member (one in a thousand), and between the forms
 /// of the change (one in twenty).
 constexpr double kMemberMargin = 7.0, kFormMargin = 3.0;
-/// Tests in a row that show a change before it is reported, so that its blocks outweigh those before it; and
-/// at most, where its form is not clear.
+/// Consecutive tests that show a change before it is reported, so that its blocks outweigh the earlier ones;
+/// and their number if its form remains unclear.
 constexpr std::size_t kConfirm = 7, kWaitForForm = 9;
 
 /// Evidence and estimate for a change along `k` of the four columns.
@@ -170,7 +170,7 @@ void ChangeEvidence::sum_since(std::size_t blocks) {
   N_since_.triangularView<Eigen::StrictlyUpper>() = N_since_.transpose();
 }
 
-/// The likelier form of a member's change since the blocks that are summed.
+/// Returns the likelier form of a member's change during the summed blocks.
 ChangeEvidence::Candidate ChangeEvidence::best_form(std::size_t member) {
   const Score score = score_of(member);
   Candidate best = candidate_of(score, ChangeForm::kLate), moved = candidate_of(score, ChangeForm::kMoved);
@@ -181,7 +181,7 @@ ChangeEvidence::Candidate ChangeEvidence::best_form(std::size_t member) {
   return best;
 }
 
-/// Compares the changes of all members since a number of blocks.
+/// Compares the changes of all members during the last `blocks` blocks.
 void ChangeEvidence::compare(std::size_t blocks) {
   sum_since(blocks);
   for (std::size_t m = 0; m < priors_.size(); ++m) {
@@ -201,7 +201,7 @@ double ChangeEvidence::effect_m(const FoundChange& change) const {
   return std::sqrt(std::max(0.0, squares) / std::max(1e-9, N_since_(first, first)));
 }
 
-/// Residual sums of the blocks, with the change of the accused in those that are summed.
+/// Computes the residual sums of the blocks, with the suspect's change in the summed ones.
 void ChangeEvidence::find_residuals(const FoundChange& change) {
   const Eigen::Index first = first_column(change.member);
   theta_ = estimate_;
@@ -215,8 +215,8 @@ void ChangeEvidence::find_residuals(const FoundChange& change) {
   }
 }
 
-/// Variance of a member's residual sums over that of white noise, with a lag of one block included. The block
-/// in which the change came fits neither before nor after it.
+/// Ratio of the variance of a member's residual sums, including a lag of one block, to that of white noise.
+/// The block in which the change occurred is excluded.
 double ChangeEvidence::inflation_of(std::size_t member) {
   if (summed_ > 0) residuals_.col(static_cast<Eigen::Index>(summed_ - 1)).setZero();
   double sum = 0.0, white = 0.0;
@@ -228,7 +228,7 @@ double ChangeEvidence::inflation_of(std::size_t member) {
   return white > 0.0 ? sum / white : 0.0;
 }
 
-/// Median of the beacons, or of the receivers, without the accused; at least 1.
+/// Median over the beacons, or over the receivers, without the suspect; at least 1. Returns the larger one.
 double ChangeEvidence::typical_inflation(std::size_t accused) {
   double largest = 1.0;
   for (const bool beacons : {true, false}) {
@@ -248,8 +248,8 @@ std::optional<FoundChange> ChangeEvidence::decide() {
   find_residuals(best_.change);
   const double typical = typical_inflation(best_.change.member),
                own = std::max(typical, inflation_of(best_.change.member));
-  // A likelihood ratio is that much smaller where the variance is, and again where that was estimated from
-  // few blocks (Student).
+  // A larger variance reduces a likelihood ratio in proportion, and its estimation from few blocks reduces it
+  // further (Student).
   const double n = static_cast<double>(filled_), weight = inflation_ / own;
   const auto student = [&](double gain) {
     return 0.5 * n * std::log1p(2.0 * std::max(0.0, gain) * weight / n);
@@ -262,7 +262,8 @@ std::optional<FoundChange> ChangeEvidence::decide() {
   Candidate later = best_;
   bool is_clear = false;
   if (is_confirmed) {
-    // The change came during the first of the blocks: size and form are those of the later ones.
+    // The change occurred during the first of the blocks, so its size and form are estimated from the later
+    // ones.
     sum_since(best_.blocks - 1);
     later = best_form(best_.change.member);
     is_clear = student(later.evidence - later.other_form) >= kFormMargin;

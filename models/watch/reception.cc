@@ -10,9 +10,10 @@ namespace octant {
 namespace {
 
 constexpr double kCell_m = 2.0;
-/// Least probability of a miss: a person may stand in the way; where the beacon was never received, a wall.
+/// Least probability of a miss, for example behind a person; and at places where the beacon was never
+/// received, for example behind a wall.
 constexpr double kLeastMiss = 0.05, kLeastMissElsewhere = 0.2;
-/// Places at a distance from which on their misses count.
+/// Number of places at a distance from which their misses count.
 constexpr double kEnoughPlaces = 10.0;
 
 constexpr int kMostPlaces = 200;
@@ -37,7 +38,7 @@ void ReceptionWatch::restart() {
   begun_ = false;
 }
 
-/// Index of a place's cell; kCells where the table is full.
+/// Index of a place's cell; kCells if the table is full.
 std::size_t ReceptionWatch::cell_of(const Eigen::Vector3d& p) {
   const auto i = static_cast<std::int64_t>(std::floor(p.x() / kCell_m)),
              j = static_cast<std::int64_t>(std::floor(p.y() / kCell_m));
@@ -50,7 +51,7 @@ std::size_t ReceptionWatch::cell_of(const Eigen::Vector3d& p) {
   return kCells;
 }
 
-/// Counts the misses since the last reception, as the beacon was not silent.
+/// Counts the misses since the last reception, because the beacon was not silent.
 void ReceptionWatch::close_misses(std::size_t beacon) {
   for (std::size_t d = 0; d < kDistances; ++d) {
     by_distance_[d].places += beacons_[beacon].missed[d];

@@ -21,7 +21,7 @@ namespace octant {
 /// beacon that is out of reach, or behind a wall, is not silent.
 class ReceptionWatch {
  public:
-  /// @param threshold  of the sum of -ln(probability of a miss)
+  /// @param threshold  on the sum of -ln(probability of a miss)
   ReceptionWatch(std::vector<Eigen::Vector3d> beacons_map_m, double threshold);
 
   void receive(BeaconId beacon) {
@@ -41,7 +41,7 @@ class ReceptionWatch {
   };
   struct History {
     std::uint8_t places = 0, missed = 0;
-    std::uint8_t open = 0;  ///< misses since the last reception: they do not count yet
+    std::uint8_t open = 0;  ///< misses since the last reception, which are not counted yet
   };
   struct Beacon {
     Eigen::Vector3d p_map_m;
@@ -58,7 +58,7 @@ class ReceptionWatch {
   std::vector<Beacon> beacons_;
   std::array<Count, kDistances> by_distance_{};
   std::vector<std::int64_t> cells_;  ///< keys of places, open addressing; 0: free
-  std::vector<History> history_;     ///< of each cell and beacon
+  std::vector<History> history_;     ///< for each cell and beacon
 };
 
 }  // namespace octant

@@ -13,23 +13,24 @@ namespace {
 
 constexpr double kMonth_s = 30.0 * 24.0 * 3600.0;
 constexpr double kHour_s = 3600.0;
-/// A block of evidence: longer than multipath is correlated. At rest evidence ends after twice this time.
+/// Least time and distance of a block, longer than multipath is correlated. At rest a block ends after twice
+/// this time.
 constexpr double kBlock_s = 4.0, kBlock_m = 2.0;
-/// Way after which a place counts as another one.
+/// Distance between different places.
 constexpr double kPlace_m = 2.0;
-constexpr std::size_t kMostBeacons = 16;  ///< that are tested jointly: those received last
-/// Five degrees of air temperature that nobody measured.
+constexpr std::size_t kMostBeacons = 16;  ///< beacons tested jointly, those received last
+/// Sigma of the speed if the temperature is not measured: five degrees.
 constexpr double kUncheckedAir_mps = 3.0;
-/// No survey is better.
+/// Least prior sigma of a position; no survey is better.
 constexpr double kSurvey_m = 1e-3;
-/// Share of the tolerance that matters, and what matters without one.
+/// Change to detect, as a share of the tolerance, and without a tolerance.
 constexpr double kToleranceShare = 0.25, kMatter_m = 0.015;
-/// Residuals that last are followed up to several gates: beyond, the filter would not be linear.
+/// The filter follows persistent residuals up to several gates, beyond which it would not be linear.
 constexpr double kGateSigmas = 4.0, kFollowedGates = 3.0;
 constexpr double kForgetAcceptance = 1.0 / 50.0, kLeastAcceptance = 0.5;
-/// How well a fix is known before its arrivals are used once more.
+/// Prior sigma of a fix whose arrivals are used again.
 constexpr double kFix_m = 0.3;
-/// Covariance of a tracker's pose is enlarged: it has seen the arrivals that follow no better.
+/// Factor on the covariance of a tracker's pose, which may be optimistic.
 constexpr double kStartVariance = 4.0;
 
 double let_pass_of(const Deployment& d, const WatchOptions& options) {
@@ -54,7 +55,8 @@ std::size_t receivers_of(const Deployment& d, VehicleId vehicle) {
       std::ranges::count_if(d.receivers, [vehicle](const auto& r) { return r.vehicle == vehicle; }));
 }
 
-/// As many hypotheses as members and kinds of change, and as many decisions as blocks.
+/// Threshold for the rate of false alarms, with one hypothesis for each member and form of change, and one
+/// decision for each block.
 double threshold_of(const Deployment& d, const WatchOptions& options, VehicleId vehicle) {
   const double hypotheses =
       static_cast<double>(std::size(kChangeForms) * (tested_beacons(d) + receivers_of(d, vehicle)));
@@ -151,7 +153,7 @@ bool Watch::is_watched(const Arrival& a) const {
          receivers_[a.receiver.index()].usable && std::isfinite(a.tof_s) && std::isfinite(a.time_s);
 }
 
-/// Column of the joint test: that of the beacon received longest ago is given to another one.
+/// Column of a beacon in the joint test. A new beacon gets that of the beacon received longest ago.
 std::size_t Watch::member_of(BeaconId id) noexcept {
   Watched& beacon = beacons_[id.index()];
   beacon.received = ++arrivals_;
@@ -232,7 +234,7 @@ void Watch::observe(const Arrival& a, bool may_correct) noexcept {
   }
   if ((within || lasts) && acceptance_ > kLeastAcceptance && a.time_s - block_begin_s_ < 2.0 * kBlock_s)
     evidence_.add(by_change_, prediction.residual_m, variance_m2);
-  // A filter that used only the smaller ones of residuals that last would follow their noise.
+  // A filter that used only the smaller of persistent residuals would follow their noise.
   const bool follows = within || (lasts && std::abs(prediction.residual_m) < kFollowedGates * gate_m);
   if (follows && may_correct) pose_.correct(by_unknowns_, by_change_, prediction.residual_m, variance_m2);
 }

@@ -23,11 +23,11 @@
 namespace octant {
 
 struct WatchOptions {
-  double false_alarms_a_month = 0.1;  ///< at most, while nothing is wrong; a month has 30 days of 24 hours
-  /// Change of a path that is to be found [m]; half of it is let pass. None: a quarter of the deployment's
-  /// tolerance.beacon_m, and 0.015 where it has none.
+  double false_alarms_a_month = 0.1;  ///< largest rate without a fault; a month has 30 days of 24 hours
+  /// Change of a path to detect [m]; half of it is tolerated. Default: a quarter of the deployment's
+  /// tolerance.beacon_m, or 0.015 without a tolerance.
   std::optional<double> matter_m{};
-  double speed_drift_mps_per_hour = 0.6;  ///< how fast the air may change: a degree an hour
+  double speed_drift_mps_per_hour = 0.6;  ///< drift of the speed of sound: about one degree an hour
 };
 
 enum class WatchKind {
@@ -38,34 +38,35 @@ enum class WatchKind {
   kReceiverMoved  ///< along the axes of the vehicle
 };
 
-/// What no longer fits the deployment.
+/// A change that contradicts the deployment.
 struct WatchAlarm {
   WatchKind kind = WatchKind::kBeaconLate;
-  BeaconId beacon;      ///< not valid: it is a receiver
-  ReceiverId receiver;  ///< not valid: it is a beacon
-  int axis = 0;         ///< of a move, the one along which it is largest: x, y, z
-  double size_m = 0.0;  ///< of a move along that axis, of a delay times the speed; with its sign
+  BeaconId beacon;      ///< not valid if it is a receiver
+  ReceiverId receiver;  ///< not valid if it is a beacon
+  int axis = 0;         ///< axis of the largest shift: 0, 1, 2 for x, y, z
+  double size_m = 0.0;  ///< shift along that axis, or delay times speed; signed
   double sigma_m = 0.0;
-  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< of a move
-  double since_s = 0.0;                               ///< begin of the data that show it
-  double time_s = 0.0;                                ///< of the alarm
+  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< shift of a beacon or receiver that moved
+  double since_s = 0.0;                               ///< start of the data that show it
+  double time_s = 0.0;                                ///< time of the alarm
 };
 
-/// Watches beacons and the receivers of a vehicle while it drives, for changes that came to stay: a beacon
-/// was hit, a transducer was replaced, a receiver is bent, a beacon is dead. Takes all memory at
-/// construction, throws nothing, and costs some microseconds an arrival.
+/// Monitors beacons and the receivers of a vehicle during a drive for permanent changes: a beacon that was
+/// hit, a replaced transducer, a bent receiver, a silent beacon. Allocates all memory at construction, throws
+/// no exceptions, and takes some microseconds for each arrival.
 ///
-/// A Kalman filter of its own follows the vehicle (WatchedPose). Its innovations are tested jointly for
-/// changes of all beacons and receivers (ChangeEvidence), so that a change accuses no others. The drive is
+/// A separate Kalman filter tracks the vehicle (WatchedPose). Its innovations are tested jointly for changes
+/// of all beacons and receivers (ChangeEvidence), so that a change is not attributed to others. The drive is
 /// divided into blocks of at least four seconds and two metres, which is longer than multipath is correlated;
-/// a vehicle at rest learns only little. The member that explains the data best is reported when its evidence
-/// keeps the rate of false alarms, and exceeds that of all others. From then on its arrivals are left out,
-/// and the others are judged without it.
+/// a vehicle at rest provides little information. The member that explains the data best is reported when its
+/// evidence meets the rate of false alarms and exceeds that of all others. From then on its arrivals are
+/// ignored, and the others are tested without it.
 ///
-/// Speed and, with epochs, a cycle offset are estimated too: warm air accuses no beacon.
+/// The speed and, with epochs, a cycle offset are estimated too, so that a change of temperature is not
+/// attributed to a beacon.
 class Watch {
  public:
-  /// @param vehicle  whose receivers are watched
+  /// @param vehicle  vehicle whose receivers are monitored
   explicit Watch(const Deployment& deployment, const WatchOptions& options = {},
                  VehicleId vehicle = VehicleId(0));
 
@@ -73,8 +74,8 @@ class Watch {
   /// used). Without a fix only receptions count.
   std::optional<WatchAlarm> observe_epoch(std::span<const Arrival> arrivals, const Fix& fix) noexcept;
 
-  /// A drive: `start` wherever a localizer has placed the vehicle and `is_following` is false, `move` by each
-  /// motion up to the next arrival, `observe_arrival`. Synchronised clocks.
+  /// For drives with synchronised clocks: call `start` when a localizer has a pose and `is_following` is
+  /// false, `move` for each motion up to the next arrival, then `observe_arrival`.
   void start(const Pose& T_map_vehicle, const PoseCovariance& covariance) noexcept;
   void stop() noexcept { following_ = false; }
   [[nodiscard]] bool is_following() const { return following_; }
@@ -83,18 +84,18 @@ class Watch {
 
   /// Evidence of an alarm, in nats.
   [[nodiscard]] double threshold() const { return threshold_; }
-  /// Reported as changed, and left out since.
+  /// Returns true if it was reported as changed and is ignored since then.
   [[nodiscard]] bool is_out(BeaconId beacon) const {
     return beacon.valid() && beacon.index() < beacons_.size() && beacons_[beacon.index()].out;
   }
   [[nodiscard]] bool is_out(ReceiverId receiver) const {
     return receiver.valid() && receiver.index() < receivers_.size() && receivers_[receiver.index()].out;
   }
-  /// Leaves out a beacon that another vehicle reported.
+  /// Ignores a beacon that another vehicle reported.
   void leave_out(BeaconId beacon) noexcept;
   /// Estimated offset of the speed from the deployment's [m/s].
   [[nodiscard]] double speed_offset_mps() const { return pose_.speed_offset_mps(); }
-  /// Forgets everything: after a recalibration or a repair.
+  /// Resets everything, after a recalibration or a repair.
   void restart() noexcept;
 
  private:
@@ -102,11 +103,11 @@ class Watch {
   struct Watched {
     bool usable = true, out = false;
     ChangeMatrix prior = ChangeMatrix::Identity();  ///< covariance without a change
-    std::size_t member = kNoMember;                 ///< of the joint test
+    std::size_t member = kNoMember;                 ///< index in the joint test
     std::size_t received = 0;                       ///< number of its last arrival
     double last_s = -std::numeric_limits<double>::infinity();
   };
-  /// Last residuals of a pair: where most agree, they are no echoes.
+  /// Last residuals of a pair. If most of them agree, they are not echoes.
   struct Recent {
     static constexpr std::size_t kCount = 7;
     std::array<double, kCount> residual_m{};
@@ -138,7 +139,7 @@ class Watch {
   std::vector<Watched> beacons_, receivers_;
   std::vector<BeaconId> beacon_of_member_;
   std::vector<ReceiverId> receiver_of_member_;
-  std::vector<Recent> recent_;  ///< of each pair
+  std::vector<Recent> recent_;  ///< for each pair
   std::size_t arrivals_ = 0;
   ChangeEvidence evidence_;
   ReceptionWatch reception_;

@@ -9,7 +9,7 @@
 namespace octant {
 namespace {
 
-/// A cycle offset of which nothing is known [m^2].
+/// Variance of an unknown cycle offset [m^2].
 constexpr double kUnknownOffset_m2 = 1e6;
 
 }  // namespace

@@ -11,18 +11,18 @@
 namespace octant {
 
 /// Kalman filter of a vehicle's pose, of the speed's offset from the deployment, and of a cycle offset [m],
-/// where they are unknown. With its estimate goes the matrix F, by which it follows changes theta of beacons
-/// and receivers that it does not know: E[estimate] = truth + F theta (Willsky and Jones 1976).
+/// if they are unknown. The matrix F is the sensitivity of its estimate to unmodelled changes theta of
+/// beacons and receivers: E[estimate] = truth + F theta (Willsky and Jones 1976).
 class WatchedPose {
  public:
   static constexpr int kMostUnknowns = 8;
   using Vector = Eigen::Matrix<double, kMostUnknowns, 1>;
   using Matrix = Eigen::Matrix<double, kMostUnknowns, kMostUnknowns>;
 
-  /// @param columns  of theta
+  /// @param columns  number of elements of theta
   WatchedPose(Motion motion, bool with_speed, bool with_offset, std::size_t columns);
 
-  /// Places the vehicle, independently of all changes; a cycle offset is unknown. The speed is kept.
+  /// Sets the pose, independently of all changes; a cycle offset becomes unknown. The speed is kept.
   void start(const Pose& T_map_vehicle, const PoseCovariance& covariance);
   void set_speed(double offset_mps, double variance);
   void move(const Pose& step, const OdometryVariance& variance);
@@ -30,13 +30,13 @@ class WatchedPose {
 
   /// Variance of the prediction of an observation with these derivatives.
   [[nodiscard]] double variance(const Vector& by_unknowns) const { return by_unknowns.dot(P_ * by_unknowns); }
-  /// Turns the derivatives of an observation by theta into those of its innovation.
+  /// Converts the derivatives of an observation by theta into those of its innovation.
   void add_estimate(const Vector& by_unknowns, Eigen::VectorXd& by_change) const {
     by_change.noalias() -= F_.transpose() * by_unknowns;
   }
   void correct(const Vector& by_unknowns, const Eigen::VectorXd& by_change, double innovation,
                double variance);
-  /// Corrects the estimate by a change that was found, which starts at a column.
+  /// Corrects the estimate for a change that was found, whose columns begin at `first_column`.
   void remove_change(Eigen::Index first_column, const Eigen::Vector4d& size);
   void forget_change(Eigen::Index first_column) { F_.middleCols<4>(first_column).setZero(); }
 
