@@ -12,7 +12,7 @@
 namespace octant {
 namespace {
 
-/// Rows behind a vehicle's time, one after the other, that are no disorder any more but another time.
+/// Number of consecutive late rows from which the clock of a vehicle was set back.
 constexpr std::size_t kSetBackRows = 20;
 
 bool of_one_pose(const Arrival& a, const Arrival& b) {
@@ -20,7 +20,7 @@ bool of_one_pose(const Arrival& a, const Arrival& b) {
   return a.epoch != kNoEpoch || b.time_s - a.time_s <= kSamePing_s;
 }
 
-/// Marks that a sink is being called, until it has returned or thrown.
+/// Marks that a callback is running, until it has returned or thrown.
 class InSink {
  public:
   explicit InSink(bool& mark) : mark_(mark) { mark_ = true; }
@@ -34,16 +34,16 @@ class InSink {
 
 bool is_same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-/// As in files: a row that comes twice is one measurement.
+/// Returns true for a repeated row, which counts as one measurement, as in files.
 bool is_same_row(const Arrival& a, const Arrival& b) {
   return a.time_s == b.time_s && a.beacon == b.beacon && a.receiver == b.receiver && a.epoch == b.epoch &&
          a.tof_s == b.tof_s && is_same(a.amplitude_v, b.amplitude_v) &&
          is_same(a.temperature_degC, b.temperature_degC);
 }
 
-/// Arrivals that repetitions are compared with.
+/// Number of arrivals with which repetitions are compared.
 constexpr std::size_t kRecentArrivals = 256;
-/// Odometry that no arrival asks for is used up to so long ago.
+/// Age at which odometry is used without an arrival.
 constexpr double kLongestQueue_s = 5.0;
 
 bool is_possible_row(const OdometryStep& step) {
@@ -69,7 +69,7 @@ bool has_same_members(const Deployment& a, const Deployment& b) {
   return std::ranges::equal(a.beacons, b.beacons, same) && std::ranges::equal(a.receivers, b.receivers, same);
 }
 
-/// By as much the place may be another one by another calibration: sigmas of 5 cm and 0.01 rad, squared.
+/// Covariance of a pose between two calibrations: sigmas of 5 cm and 0.01 rad.
 PoseCovariance between_calibrations(Motion motion) {
   const int dof = pose_dof(motion), shifts = first_turn(motion);
   PoseCovariance some = PoseCovariance::Zero(dof, dof);
@@ -100,9 +100,9 @@ Result<void> follow_fits(const Deployment& deployment, Method method) {
 
 TrackerOptions live_tracking() {
   TrackerOptions options;
-  options.protect = true;  // a robot that drives by these fixes asks how far they may be off
+  options.protect = true;  // a robot that drives by these fixes needs bounds on their error
   options.estimate_speed = true;
-  options.start_window_s = 0.3;  // with less than that all around few beacons have been received
+  options.start_window_s = 0.3;  // in a shorter time few beacons are received
   return options;
 }
 
@@ -120,7 +120,7 @@ Follower::Follower(Deployment deployment, const FollowOptions& options)
   }
   in_use_.reserve(options_.most_waiting);
   const bool by_least_squares = options_.method == Method::kAuto || options_.method == Method::kLeastSquares;
-  // Poses of several vehicles do not end together.
+  // Poses of several vehicles do not end at the same time.
   if (by_least_squares && lanes_.size() == 1 && deployment_.medium.model != MediumModel::kConstant)
     speed_ = std::make_unique<LiveSpeed>(deployment_);
 }
@@ -153,8 +153,7 @@ bool Follower::refuse() {
   return false;
 }
 
-/// Whether a row is behind the newest by more than the lateness. The last row that it takes to believe in
-/// another time is not: with it all begins anew.
+/// Returns true if a row is too late, except for the row with which a vehicle restarts after a set-back.
 bool Follower::is_too_late(Lane& lane, Behind& behind, double time_s, double newest_s) {
   if (time_s >= newest_s - options_.lateness_s) {
     behind = {};
@@ -207,7 +206,7 @@ void Follower::wait(Lane& lane, const Arrival& arrival) {
   ++counts_.dropped;
 }
 
-/// Takes the first arrivals out of the queue.
+/// Removes the first arrivals from the queue.
 void Follower::use_up(Lane& lane, std::size_t count) {
   const auto last = lane.waiting.begin() + static_cast<std::ptrdiff_t>(count);
   for (auto a = lane.waiting.begin(); a != last; ++a) {
@@ -249,7 +248,7 @@ bool Follower::insert_row(const Row& row) {
   Lane* lane = lane_of(row.vehicle);
   if (in_sink_ || lane == nullptr || !std::isfinite(row.time_s) || !is_possible_row(row)) return refuse();
   if (is_too_late(*lane, lane->odometry_behind, row.time_s, lane->newest_row_s)) return false;
-  if (lane->tracker != nullptr) {  // else it is of no use to the method
+  if (lane->tracker != nullptr) {  // otherwise the method does not use it
     if (!lane->is_tracked) begin_tracking(*lane);
     if (!give(*lane->tracker, row)) return refuse();
   }
@@ -291,7 +290,7 @@ void Follower::carry_on(const Follower& before) {
   }
 }
 
-/// Uses the arrivals whose turn it is. @param all  nothing more is coming
+/// Uses the arrivals that are due. @param all  no more arrivals will come
 void Follower::process(Lane& lane, bool all) {
   if (lane.is_tracked) {
     process_instants(lane, all);
@@ -300,7 +299,7 @@ void Follower::process(Lane& lane, bool all) {
   }
 }
 
-/// A pose is complete when an arrival of another one has come, and those that are late have had their time.
+/// Fixes complete poses: an arrival of another pose has come, and the time for late ones has passed.
 void Follower::process_poses(Lane& lane, bool all) {
   while (!lane.waiting.empty()) {
     std::size_t count = 1;
@@ -331,7 +330,7 @@ void Follower::process_instants(Lane& lane, bool all) {
     tracker.advance_to(lane.newest_row_s - kLongestQueue_s);
 }
 
-/// Where the temperature is not known the arrivals tell the speed of sound, as for a recording.
+/// Estimates the speed of sound from the arrivals if the temperature is unknown, as for a recording.
 void Follower::follow_speed(Lane& lane) {
   const auto found = speed_->new_estimate();
   if (!found) return;
@@ -357,7 +356,8 @@ void Follower::predict(VehicleId vehicle, double time_s, Fix& fix) {
 void Follower::fix_pose(Lane& lane, std::span<const Arrival> arrivals) {
   const auto in_use = still_in_use(lane, arrivals);
   lane.localizer->locate(Observations{in_use, {}}, fix_);
-  if (fix_.rejections.empty()) fix_.time_s = arrivals.front().time_s;  // nothing to fix: no instant either
+  // Without arrivals to fix the localizer sets no time
+  if (fix_.rejections.empty()) fix_.time_s = arrivals.front().time_s;
   report_fix(arrivals);
   if (lane.watch) report_alarm(lane, lane.watch->observe_epoch(in_use, fix_));
 }

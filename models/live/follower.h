@@ -25,99 +25,100 @@
 namespace octant {
 
 struct FollowOptions {
-  /// A method of single poses, or the tracker. kAuto: least squares, and the tracker from a vehicle's first
-  /// odometry row on, or where the deployment states its motion (synchronised clocks).
+  /// A method for single poses, or the tracker. kAuto: least squares; the tracker from a vehicle's first
+  /// odometry row on, or if the deployment has a motion model (synchronised clocks).
   Method method = Method::kAuto;
   OdometryAccuracy odometry;
-  double lateness_s = 0.2;  ///< arrivals and odometry may come in any order within that time
+  double lateness_s = 0.2;  ///< arrivals and odometry may arrive in any order within this time
   std::size_t most_waiting =
-      4096;            ///< arrivals of a vehicle that may wait for the rest of their pose or for odometry
-  bool watch = false;  ///< beacons and receivers, too (watch.h)
+      4096;  ///< maximum number of arrivals of a vehicle that wait for the rest of their pose or for odometry
+  bool watch = false;  ///< also monitors beacons and receivers (watch.h)
   WatchOptions watching;
 };
 
-/// What became of the rows.
+/// Numbers of rows by outcome.
 struct FollowCounts {
-  std::size_t arrivals = 0, odometry_rows = 0;  ///< taken
+  std::size_t arrivals = 0, odometry_rows = 0;  ///< accepted
   std::size_t fixes = 0, no_fix = 0;
-  std::size_t used = 0, rejected = 0;  ///< arrivals, by the fixes
-  std::size_t refused = 0;  ///< rows that repeat another, say no number or an impossible length, or are of a
-                            ///< vehicle that is none
-  std::size_t late = 0;     ///< rows that came later than the lateness allows
-  std::size_t dropped = 0;  ///< arrivals from before the first odometry row, or beyond most_waiting
+  std::size_t used = 0, rejected = 0;  ///< arrivals in fixes
+  /// Rows that repeat another one, have an impossible value, or name an unknown vehicle
+  std::size_t refused = 0;
+  std::size_t late = 0;     ///< rows later than the lateness allows
+  std::size_t dropped = 0;  ///< arrivals before the first odometry row, or beyond most_waiting
   std::size_t alarms = 0;
-  std::size_t restarts = 0;  ///< of vehicles whose clock was set back
+  std::size_t restarts = 0;  ///< restarts of vehicles whose clock was set back
 };
 
-/// Whether a deployment can be followed by a method; the error says what is missing.
+/// Checks that a method can be used with a deployment; the error names what is missing.
 [[nodiscard]] Result<void> follow_fits(const Deployment& deployment, Method method);
 
-/// The options of the tracker as a robot runs it.
+/// Options of the tracker on a robot.
 [[nodiscard]] TrackerOptions live_tracking();
 
-/// Localizes as the data come, several vehicles at once. Rows may come in any order within the lateness. A
-/// stream that is in order is not delayed: an arrival is used as soon as odometry covers its time. Once rows
-/// have come d seconds behind others, arrivals wait for d seconds of the stream. Odometry that is missing is
-/// waited for until the lateness has passed. All rows of one epoch (or, without epochs, those within five
-/// milliseconds of each other) make a fix as soon as one of another pose comes; with the tracker each instant
-/// of arrivals makes one. Where the arrivals state no temperature the speed of sound is estimated. Memory is
-/// bounded by the number of vehicles and most_waiting. Throws nothing after construction.
+/// Localizes several vehicles from live data. Rows may arrive in any order within the lateness. A stream in
+/// order is not delayed: an arrival is used as soon as odometry covers its time. After rows have arrived d
+/// seconds late, arrivals wait for d seconds of the stream. Missing odometry is awaited until the lateness
+/// has passed.
+///
+/// All rows of one epoch (or, without epochs, within five milliseconds of each other) form a fix as soon as a
+/// row of another pose arrives. With the tracker, the arrivals at each time form a fix. If the arrivals have
+/// no temperature, the speed of sound is estimated. Memory is bounded by the number of vehicles and
+/// most_waiting. Throws no exceptions after construction.
 class Follower {
  public:
   explicit Follower(Deployment deployment, const FollowOptions& options = {});
 
-  /// Called for each fix, those without a pose included, and for each alarm of the watch. Within them nothing
-  /// is taken: rows are refused, and nothing is flushed.
+  /// Called for each fix, also those without a pose, and for each alarm of the watch. During these calls rows
+  /// are refused, and flush() has no effect.
   std::function<void(const Fix&)> on_fix;
   std::function<void(const WatchAlarm&)> on_alarm;
-  /// Called when the arrivals of single poses tell another speed than the deployment.
+  /// Called when the arrivals of single poses determine another speed than the deployment's.
   std::function<void(const RunSpeed&)> on_speed;
 
-  /// False: the row was refused or came too late, and is counted. Twenty rows of a vehicle one after the
-  /// other that come too late, but in order, are a clock that was set back (or that had jumped ahead once):
-  /// the vehicle begins anew with the last of them, without odometry and a place until it has them again.
-  /// Unknown beacons and receivers are left to the fix, which rejects them.
+  /// Adds a row. After twenty consecutive rows of a vehicle that are too late, but in order, its clock is
+  /// assumed to have been set back (or to have jumped ahead before). The vehicle then restarts with the last
+  /// of these rows, without odometry and pose. The localizer rejects unknown beacons and receivers.
+  /// @return false if the row was refused or is too late; it is counted
   bool hear(const Arrival& arrival);
   bool move(const OdometryStep& step);
-  /// The vehicle's pose in odometry's own frame.
+  /// Adds the vehicle's pose in the frame of the odometry.
   bool move(const OdometryPose& pose);
-  /// Nothing more is coming of what has been received: fixes all that waits.
+  /// Fixes all waiting arrivals, because no more rows of their poses will arrive.
   void flush();
-  /// The same of poses without an epoch that wait for no odometry: for a moment of quiet, which within a stop
-  /// says nothing.
+  /// Fixes waiting poses without an epoch that need no odometry. For a pause of the stream, which within a
+  /// stop has no meaning.
   void flush_pings();
-  /// Where a vehicle is at an instant by all that was received: the tracker's state predicted to it. Not ok
-  /// where the vehicle is not tracked.
+  /// Predicts the pose of a vehicle at a time from the tracker's state. Not ok if the vehicle is not tracked.
   void predict(VehicleId vehicle, double time_s, Fix& fix);
 
-  /// Takes over from a follower by an earlier deployment: vehicles of the same name go on from where they
-  /// were. What waits there is lost: flush it first.
+  /// Continues from a follower with an earlier deployment: vehicles of the same name keep their state. Rows
+  /// that wait there are lost, so flush it first.
   void carry_on(const Follower& before);
 
   [[nodiscard]] const Deployment& deployment() const { return deployment_; }
   [[nodiscard]] const FollowCounts& counts() const { return counts_; }
 
  private:
-  /// Rows that lie behind a vehicle's time, the last ones, as far as they are in order.
+  /// Consecutive rows that are late for a vehicle's time and in order.
   struct Behind {
     std::size_t rows = 0;
     double last_s = 0.0;
   };
   struct Lane {
-    std::vector<Arrival> waiting;  ///< in the order of time
-    std::vector<Arrival> recent;   ///< the last ones that were used, against repetitions
+    std::vector<Arrival> waiting;  ///< in order of time
+    std::vector<Arrival> recent;   ///< last used arrivals, to detect repetitions
     std::size_t oldest_recent = 0;
     double newest_arrival_s = -std::numeric_limits<double>::infinity();
     double newest_row_s = -std::numeric_limits<double>::infinity();
-    double fixed_until_s = -std::numeric_limits<double>::infinity();  ///< of poses that wait for no odometry
-    double hold_s = 0.0;  ///< as far as arrivals have come out of order
+    double fixed_until_s = -std::numeric_limits<double>::infinity();  ///< for poses that need no odometry
+    double hold_s = 0.0;                                              ///< largest delay of an arrival so far
     Behind arrivals_behind, odometry_behind;
     bool is_tracked = false;
     std::unique_ptr<DriveTracker> tracker;
     std::unique_ptr<Localizer> localizer;
     std::unique_ptr<Watch> watch;
     [[nodiscard]] double newest_s() const { return std::max(newest_arrival_s, newest_row_s); }
-    /// The instant up to which arrivals were used.
+    /// Time up to which arrivals were used.
     [[nodiscard]] double used_until_s() const;
   };
   [[nodiscard]] Lane* lane_of(VehicleId vehicle);
@@ -141,19 +142,19 @@ class Follower {
   void fix_pose(Lane& lane, std::span<const Arrival> arrivals);
   void track_instant(Lane& lane, std::span<const Arrival> arrivals);
   void report_fix(std::span<const Arrival> arrivals);
-  /// Arrivals without those of beacons and receivers that the watch reported.
+  /// Returns the arrivals except those of beacons and receivers that the watch reported.
   [[nodiscard]] std::span<const Arrival> still_in_use(const Lane& lane, std::span<const Arrival> arrivals);
   void report_alarm(const Lane& lane, const std::optional<WatchAlarm>& alarm);
 
   Deployment deployment_;
   FollowOptions options_;
   std::vector<Lane> lanes_;
-  std::unique_ptr<LiveSpeed> speed_;  ///< of single poses
-  double speed_offset_mps_ = 0.0;     ///< that these are fixed with
+  std::unique_ptr<LiveSpeed> speed_;  ///< for single poses
+  double speed_offset_mps_ = 0.0;     ///< speed offset used for these
   std::vector<Arrival> in_use_;  ///< arrivals without those of beacons and receivers that the watch reported
   FollowCounts counts_;
   Fix fix_;
-  bool in_sink_ = false;  ///< the rows that a sink is told of are still in use
+  bool in_sink_ = false;  ///< a callback is running, and its rows are still in use
 };
 
 }  // namespace octant

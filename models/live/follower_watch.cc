@@ -7,7 +7,7 @@
 
 namespace octant {
 
-/// The watch moves with the tracker, and stops where odometry tells no motion.
+/// Lets the watch follow the tracker; it stops if odometry is missing.
 void Follower::watch_motion(Lane& lane) {
   if (!lane.watch || !lane.tracker) return;
   lane.watch->stop();

@@ -10,10 +10,10 @@
 namespace octant {
 namespace {
 
-constexpr std::size_t kFirstEstimate = 400, kMostKept = 3'200;  ///< arrivals
-constexpr double kThought_s = 2.0;                              ///< that an estimate is given at least
-constexpr double kBetween_s = 10.0;          ///< from one estimate's beginning to the next's rows
-constexpr std::size_t kMostHeard = 100'000;  ///< arrivals, after which a clock that stands is not waited for
+constexpr std::size_t kFirstEstimate = 400, kMostKept = 3'200;  ///< numbers of arrivals
+constexpr double kThought_s = 2.0;                              ///< least time for an estimate
+constexpr double kBetween_s = 10.0;          ///< from the start of an estimate to the rows of the next
+constexpr std::size_t kMostHeard = 100'000;  ///< number of arrivals after which a stopped clock is ignored
 
 }  // namespace
 
@@ -56,7 +56,7 @@ std::optional<RunSpeed> LiveSpeed::new_estimate() {
   return found.determined ? std::optional(found) : std::nullopt;
 }
 
-/// A clock that is set back passes at once.
+/// Returns true after a time span, and immediately if the clock is set back.
 bool LiveSpeed::passed(double span_s) const {
   return std::abs(now_s_ - begun_s_) >= span_s || heard_ >= kMostHeard;
 }
@@ -75,7 +75,7 @@ void LiveSpeed::begin() {
   const auto make = [of = calibrated_, rows] { return estimate_run_speed(*of, *rows); };
   try {
     estimate_ = std::async(std::launch::async, make);
-  } catch (const std::system_error&) {  // no thread is to be had: when it is looked at
+  } catch (const std::system_error&) {  // no thread is available: compute it when the result is checked
     estimate_ = std::async(std::launch::deferred, make);
   }
 }

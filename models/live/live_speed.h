@@ -13,22 +13,22 @@
 
 namespace octant {
 
-/// The speed of a live stream at an unknown temperature, again and again as the air changes: rows are kept
-/// until they tell it, at most some thousands, as run_speed.h has it for a recording. Rows whose arrivals
-/// state temperatures at which the deployment is valid cost nothing but their memory.
+/// Estimates the speed of a live stream at an unknown temperature, repeatedly as the temperature changes.
+/// Rows are kept until they determine it, at most some thousands (run_speed.h). Rows whose arrivals have
+/// temperatures at which the deployment is valid cost only their memory.
 ///
-/// An estimate takes some tenths of a second, which no fix waits for: a thread makes it while as many
-/// arrivals come as it is made of and seconds pass by the stream's own clock, and only then it is looked at.
-/// So what a stream is told, and when, hangs on the stream alone, not on who was faster. Air changes over
-/// minutes: a stream of thousands of arrivals a second rests in between, and its rows are not kept then.
+/// An estimate takes some tenths of a second, and a thread computes it, so that no fix waits. Its result is
+/// used after as many new arrivals as it was made of and some seconds of the stream's own clock. So the
+/// results depend on the stream alone, not on processing speed. Temperature changes over minutes, so with
+/// thousands of arrivals a second the estimator pauses in between, and no rows are kept.
 class LiveSpeed {
  public:
   explicit LiveSpeed(const Deployment& calibrated);
 
   void hear(const Arrival& arrival);
   void move(const OdometryStep& step);
-  /// Between two poses: begins an estimate, or looks at one, if it is time for that.
-  /// @return an estimate that tells the speed, once
+  /// Starts an estimate or checks for its result, if it is time for that. Call between two poses.
+  /// @return an estimate that determines the speed, once
   [[nodiscard]] std::optional<RunSpeed> new_estimate();
   [[nodiscard]] const Deployment& calibrated() const { return *calibrated_; }
 
@@ -38,14 +38,15 @@ class LiveSpeed {
   [[nodiscard]] bool keeps_rows() const;
 
   std::shared_ptr<const Deployment> calibrated_;
-  MeasurementLog kept_;                          ///< since the estimate that runs was begun
-  std::size_t wanted_;                           ///< arrivals, from which the next estimate is made
-  std::shared_ptr<const MeasurementLog> asked_;  ///< of which the estimate that runs is made; null: none runs
+  MeasurementLog kept_;  ///< rows since the start of the current estimate
+  std::size_t wanted_;   ///< number of arrivals for the next estimate
+  /// Rows of the current estimate; null if there is no current one
+  std::shared_ptr<const MeasurementLog> asked_;
   std::future<RunSpeed> estimate_;
-  bool rests_ = false;     ///< told a short time ago
-  double now_s_ = 0.0;     ///< by the stream's clock
-  double begun_s_ = 0.0;   ///< the last estimate
-  std::size_t heard_ = 0;  ///< arrivals since then
+  bool rests_ = false;     ///< the last estimate is recent
+  double now_s_ = 0.0;     ///< time of the stream's clock
+  double begun_s_ = 0.0;   ///< start of the last estimate
+  std::size_t heard_ = 0;  ///< number of arrivals since then
 };
 
 }  // namespace octant
