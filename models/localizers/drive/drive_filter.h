@@ -28,18 +28,20 @@ struct MotionLimits {
   double turn_rate_radps = 1.0, turn_time_s = 1.0;
 };
 
-/// Iterated extended Kalman filter of a drive, of 3 degrees of freedom in the plane or 6 in space. Odometry
-/// moves the pose, arrivals correct it one by one. Arrivals beyond the gate are left out. Runs forward or,
-/// with the steps inverted, backward in time. The offset of the speed of sound is a state as well, with no
-/// variance where the speed is known. Where odometry is missing the filter coasts: the velocity becomes a
-/// state until odometry is back. With an echo share each arrival corrects by the probability that it came
-/// straight (probabilistic data association, Bar-Shalom and Tse, Automatica 11, 1975), so that an ambiguous
-/// one widens the covariance instead of narrowing it. With a calibration, its parameters theta (covariance C)
-/// and a lasting bias of each pair are considered, not estimated: the filter carries their covariance with
-/// the pose, so that what does not average out stays in what it states (Schmidt, Application of state-space
-/// methods to navigation problems, Advances in Control Systems 3, 1966; Jazwinski 1970, section 8.4). An
-/// arrival that shares its error with those of its pair before it is weighed by what it adds
-/// (correlated_arrivals.h).
+/// Iterated extended Kalman filter of a drive, with 3 degrees of freedom in the plane or 6 in space. Odometry
+/// moves the pose, and arrivals correct it one by one. Arrivals beyond the gate are rejected. Runs forward
+/// or, with inverted steps, backward in time.
+///
+/// The offset of the speed of sound is a state as well, with zero variance if the speed is known. Without
+/// odometry the filter coasts: the velocity becomes a state until odometry is available again. With an echo
+/// share, each arrival corrects by the probability that it came directly (probabilistic data association,
+/// Bar-Shalom and Tse, Automatica 11, 1975), so that an ambiguous one widens the covariance.
+///
+/// With a calibration, its parameters theta (covariance C) and a constant bias of each pair are considered,
+/// not estimated. The filter keeps their covariance with the pose, so that errors that do not average out
+/// remain in its covariance (Schmidt, Application of state-space methods to navigation problems, Advances in
+/// Control Systems 3, 1966; Jazwinski 1970, section 8.4). An arrival whose error is correlated with earlier
+/// ones of its pair is weighted by the information it adds (correlated_arrivals.h).
 template <int kDof>
 class DriveFilterOf {
  public:

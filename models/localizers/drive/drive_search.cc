@@ -15,16 +15,17 @@ namespace octant {
 namespace {
 
 constexpr std::size_t kDriveScratchBytes =
-    9u << 20;  ///< solving for a window of all its nodes twice, and how it follows the calibration
+    9u << 20;  ///< for two solutions of a full window and their sensitivity to the calibration
 constexpr double kFilterWindowGrowth = 1.33;
-/// Air of which nothing is known is by so much warmer or colder than the deployment's [K].
+/// Sigma of an unknown air temperature relative to the deployment's [K].
 constexpr double kAirSigma_K = 8.0;
-/// Where a gap has left a pose more uncertain the filter is not linear, and the place is searched again.
+/// Limits of the uncertainty after a gap, beyond which the filter is not linear and the pose is searched
+/// again.
 constexpr double kBlindShare = 0.1, kLeastBlind_m = 1.0, kBlindTurn_rad = 0.6;
-/// A start that no beacon more confirms is believed after so long a search.
+/// Duration of a search after which a start without a confirming beacon is accepted.
 constexpr double kLongSearch_s = 5.0;
 
-/// Prior sigma of the speed's offset where no temperature is stated.
+/// Prior sigma of the speed's offset without a recorded temperature.
 double air_sigma_mps(const Deployment& d) {
   if (d.medium.model == MediumModel::kConstant) return 0.0;
   const double degC = d.medium.temperature_degC;
@@ -94,14 +95,15 @@ bool DriveSearchOf<kDof>::search(bool is_temperature_known, Filter& filter, Beac
   return found;
 }
 
-/// Whether a start is believed that no beacon more confirms: at once where the site has too few for that.
+/// Returns true if a start without a confirming beacon is accepted: immediately if the site has too few
+/// beacons, otherwise after a long search.
 template <int kDof>
 bool DriveSearchOf<kDof>::has_searched_long() {
   const auto usable = static_cast<std::size_t>(std::ranges::count(model_.beacon_usable, true));
   return usable < kVerifiable || window_.trajectory().nodes.back().time_s - begun_s_ >= kLongSearch_s;
 }
 
-/// First as if the speed were known, then with room for a wrong one.
+/// Searches first with a known speed, then with an unknown offset.
 template <int kDof>
 bool DriveSearchOf<kDof>::place(double sigma_mps) {
   Trajectory& t = window_.trajectory();
@@ -126,7 +128,7 @@ bool DriveSearchOf<kDof>::start_filters(Filter& filter, BeaconBankOf<kDof>& bank
       independent_uncertainty_m(t, window_.all(), model_, options_.tracker.range_uncertainty_m);
   filter.set_range_uncertainty(uncertainty_m);
   Vector farthest = Vector::Zero();
-  // Among few arrivals one beacon's echo may have moved the start by that much.
+  // With few arrivals, an echo of one beacon may have moved the start by that much.
   if (is_verified(filter, work, farthest)) {
     filter.widen(farthest);
   } else if (!has_searched_long()) {
@@ -137,8 +139,8 @@ bool DriveSearchOf<kDof>::start_filters(Filter& filter, BeaconBankOf<kDof>& bank
   return true;
 }
 
-/// Whether the start is determined without any one of its beacons. @param farthest  how far one of these
-/// solutions is off at most
+/// Returns true if the start is determined without any one of its beacons.
+/// @param farthest  largest deviation of these solutions
 template <int kDof>
 bool DriveSearchOf<kDof>::is_verified(const Filter& filter, Filter& work, Vector& farthest) {
   for (std::size_t b = 0; b < model_.beacon_usable.size(); ++b) {

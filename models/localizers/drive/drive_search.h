@@ -16,47 +16,47 @@ namespace octant {
 
 struct DriveSearchOptions {
   TrackerOptions tracker;
-  double air_sigma_mps = 0.0;  ///< prior sigma of the speed's offset where no temperature is stated
+  double air_sigma_mps = 0.0;  ///< prior sigma of the speed's offset without a recorded temperature
   double most_place_m = 1.0, most_turn_rad = 0.6;  ///< sigmas beyond which a filter is not linear
 };
 
 [[nodiscard]] DriveSearchOptions drive_search_options(const Deployment& deployment,
                                                       const TrackerOptions& tracker);
-/// The states of a moving vehicle.
+/// State space of a moving vehicle.
 [[nodiscard]] StateSpace drive_states(const TrajectoryModel& model, Motion motion);
 
-/// Finds a vehicle by the last seconds of its drive, and starts the filters there. The pose is searched as
-/// for an unknown start (drive_start.h), first at the stated speed and then with room for another one. It has
-/// to be determined without any one of its beacons, and is as uncertain as these solutions are apart. All
-/// memory is taken at construction.
+/// Finds a vehicle from the last seconds of its drive, and starts the filters there. The pose is searched as
+/// for an unknown start (drive_start.h), first at the deployment's speed and then with an unknown offset. It
+/// must be determined without any one of its beacons; its uncertainty includes the differences of these
+/// solutions. All memory is allocated at construction.
 template <int kDof>
 class DriveSearchOf {
  public:
   using Filter = DriveFilterOf<kDof>;
   using Vector = typename Filter::Vector;
 
-  /// @param model, calibration  outlive it; while it searches the model's speed is changed
+  /// @param model, calibration  must outlive it; a search changes the model's speed
   DriveSearchOf(EpochFixModel& model, const CalibrationPart& calibration, const StateSpace& vehicle,
                 const DriveSearchOptions& options);
 
   void begin(double time_s);
   [[nodiscard]] StartWindow& window() { return window_; }
-  /// Searches if the window has grown by a third since the last time, and starts the filters at its end.
-  /// @param work  a filter to work with
+  /// Searches if the window has grown by a third since the last search, and starts the filters at its end.
+  /// @param work  auxiliary filter
   [[nodiscard]] bool search(bool is_temperature_known, Filter& filter, BeaconBankOf<kDof>& bank,
                             Filter& work);
 
  private:
-  /// In the plane and in space: of so many beacons each can be held against the others.
+  /// Number of beacons from which each can be checked against the others, in the plane and in space.
   static constexpr std::size_t kVerifiable = kDof == 3 ? 3 : 4;
   [[nodiscard]] bool has_searched_long();
   [[nodiscard]] bool place(double sigma_mps);
   [[nodiscard]] bool start_filters(Filter& filter, BeaconBankOf<kDof>& bank, Filter& work);
   [[nodiscard]] bool is_verified(const Filter& filter, Filter& work, Vector& farthest);
-  /// Starts a filter where the window's states, as they are solved, have its end.
+  /// Starts a filter at the end of the window, from its solved states.
   void start_at_end(Filter& filter);
-  /// The same of the states as they are solved without a beacon. A filter that began with little known of
-  /// its attitude instead would not be linear enough to judge another one.
+  /// Starts a filter at the end of the window, from the states solved without a beacon. With a poorly known
+  /// attitude instead, a filter would not be linear enough to judge another one.
   void start_without(BeaconId beacon, Filter& filter);
 
   EpochFixModel& model_;
@@ -64,9 +64,9 @@ class DriveSearchOf {
   DriveSearchOptions options_;
   StartWindow window_;
   StartSpeed start_speed_;
-  NodeCalibration start_calibration_;  ///< how the place found follows the calibration
-  std::vector<Node> with_all_;         ///< the window's nodes, while they are solved without a beacon
-  double next_search_s_ = 0.0;         ///< span of the window at which to search
+  NodeCalibration start_calibration_;  ///< sensitivity of the pose to the calibration
+  std::vector<Node> with_all_;         ///< nodes of the window during a solution without a beacon
+  double next_search_s_ = 0.0;         ///< span of the window at the next search
   double begun_s_ = 0.0;
   Scratch scratch_;
 };

@@ -22,9 +22,9 @@ namespace octant {
 namespace {
 
 constexpr std::size_t kInstantArrivals = 256;
-/// Share of echoes that a robot is to expect.
+/// Expected share of echoes.
 constexpr double kEchoShare = 0.1;
-/// Within a window from which a place is searched without odometry a velocity hardly changes [s].
+/// Time during which a velocity is nearly constant in a search without odometry [s].
 constexpr double kLasting_s = 0.25;
 std::optional<MotionPrior> motion_of_only_vehicle(const Deployment& d) {
   return d.vehicles.empty() ? std::nullopt : d.vehicles.front().motion;
@@ -53,7 +53,7 @@ class DriveTracker::Core {
   std::function<void(const OdometryObservation*)> motion_sink;
 };
 
-/// In so many degrees of freedom.
+/// Core with kDof degrees of freedom.
 template <int kDof>
 class DriveTracker::CoreOf final : public Core {
  public:
@@ -103,14 +103,14 @@ class DriveTracker::CoreOf final : public Core {
   DriveSearchOptions search_options_;
   OdometryQueue odometry_;
   Filter filter_;
-  Filter ahead_;  ///< predicted on request, by its odometry
+  Filter ahead_;  ///< filter for predictions, with its odometry
   OdometryQueue odometry_ahead_;
   BeaconBankOf<kDof> bank_;
   LossTest loss_;
   bool placed_ = false;
-  bool is_temperature_known_ = false;  ///< of the last arrival
-  DriveSearchOf<kDof> search_;         ///< without a place, or while it is in doubt
-  Trajectory instant_;                 ///< the arrivals of one instant
+  bool is_temperature_known_ = false;  ///< for the last arrival
+  DriveSearchOf<kDof> search_;         ///< search while the pose is unknown or doubtful
+  Trajectory instant_;                 ///< arrivals of one time
 };
 
 template <int kDof>
@@ -177,7 +177,7 @@ void DriveTracker::CoreOf<kDof>::begin_coasting(Filter& filter) const {
                         variances(odometry_.speed_variance(), odometry_.turn_rate_variance()));
 }
 
-/// Odometry is missing.
+/// Predicts without odometry.
 template <int kDof>
 void DriveTracker::CoreOf<kDof>::coast(Filter& filter, double span_s, double since_s) const {
   if (!filter.is_coasting()) begin_coasting(filter);
@@ -197,7 +197,7 @@ void DriveTracker::CoreOf<kDof>::coast(double span_s, double since_s) {
   if (motion_sink) motion_sink(nullptr);
   const MotionLimits& limits = odometry_.limits();
   OdometryObservation motion;
-  // A velocity that lasts for that time moves the vehicle by no more.
+  // Bound on the motion by a velocity that lasts for that time.
   motion.distance_sigma_m = limits.speed_mps * std::sqrt(std::min(limits.speed_time_s, kLasting_s) * span_s);
   motion.heading_sigma_rad =
       limits.turn_rate_radps * std::sqrt(std::min(limits.turn_time_s, kLasting_s) * span_s);
@@ -245,7 +245,7 @@ void DriveTracker::CoreOf<kDof>::advance_to(double time_s) {
   odometry_.advance_to(
       time_s, [this](const MotionPart& part) { step(part); },
       [this](double span_s, double since_s) { coast(span_s, since_s); });
-  // What was received before a long gap says nothing of the place behind it.
+  // Arrivals before a long gap are not informative about the pose after it.
   if (was_placed && !placed_) search_.begin(odometry_.now_s());
 }
 
@@ -276,7 +276,7 @@ void DriveTracker::CoreOf<kDof>::set_instant(std::span<const Arrival> arrivals) 
   for (const Arrival& a : arrivals) {
     ArrivalObservation o = observe(a, trajectory_model_, speed_of(a, trajectory_model_));
     if (o.two_way) {
-      // How far it moved between asking and hearing.
+      // Motion between transmission and reception.
       const Velocity v = a.tof_s * velocity();
       o.hear_send = static_cast<std::int32_t>(instant_.T_hear_send.size());
       instant_.T_hear_send.push_back(Pose{v.head<3>(), exp_rotation(v.tail<3>())}.inverse());
@@ -287,7 +287,7 @@ void DriveTracker::CoreOf<kDof>::set_instant(std::span<const Arrival> arrivals) 
   }
 }
 
-/// Corrects the filters, at the state of the arrivals' time where that is past.
+/// Corrects the filters; for late arrivals at the state of their time.
 template <int kDof>
 void DriveTracker::CoreOf<kDof>::correct(std::span<const Arrival> arrivals, Fix& fix) {
   const double time_s = arrivals.front().time_s;

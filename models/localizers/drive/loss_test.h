@@ -9,10 +9,10 @@
 
 namespace octant {
 
-/// Page's test for a lost place. It counts pings: the arrivals of one beacon within some milliseconds share
-/// an echo, and so count once, by their majority. A ping that does not fit counts +1, one that fits -1. Where
-/// one ping in ten is an echo, six more misfits than fits happen by chance once in some hundred thousand
-/// pings; where the place is lost, within some six.
+/// Page's test for a lost pose. It counts pings: the arrivals of one beacon within some milliseconds share an
+/// echo, so they count once, by majority. A ping that disagrees counts +1, one that agrees -1. If one ping in
+/// ten is an echo, a sum of six occurs by chance once in about a hundred thousand pings; if the pose is lost,
+/// within about six.
 class LossTest {
  public:
   void add(BeaconId beacon, double time_s, bool fits) {
@@ -25,7 +25,7 @@ class LossTest {
     ++(fits ? fits_ : misfits_);
   }
   void clear() { *this = LossTest(); }
-  /// The last pings fit.
+  /// Returns true if the last pings agree.
   [[nodiscard]] bool is_calm() const { return score() == 0; }
   [[nodiscard]] bool is_lost() const { return score() >= kLost; }
 

@@ -13,12 +13,12 @@ namespace octant {
 namespace {
 
 constexpr std::size_t kMostPending = 1024, kMostPast = 512;
-/// Where the site does not state the motion: at least a walking pace, reached within a second.
+/// Limits for sites without a motion model: at least walking pace, reached within a second.
 constexpr double kLeastSpeed_mps = 0.5, kLeastTurnRate_radps = 0.5, kToFullSpeed_s = 1.0;
-constexpr double kGapShare = 1.5;        ///< of the usual interval, beyond which a row may be missing
-constexpr double kGapSpreads = 4.0;      ///< and of its usual deviation
-constexpr double kForgetInterval = 0.1;  ///< of each row
-constexpr int kGapsOfANewRate = 10;      ///< one after the other: rows now come less often
+constexpr double kGapShare = 1.5;        ///< multiple of the usual interval beyond which a row may be missing
+constexpr double kGapSpreads = 4.0;      ///< and multiple of its usual deviation
+constexpr double kForgetInterval = 0.1;  ///< weight of each row in the averages
+constexpr int kGapsOfANewRate = 10;      ///< consecutive gaps after which the rate of rows has changed
 
 MotionLimits limits_of(const std::optional<MotionPrior>& prior) {
   if (!prior) return {kLeastSpeed_mps, kToFullSpeed_s, kLeastTurnRate_radps, kToFullSpeed_s};
@@ -77,7 +77,7 @@ void OdometryQueue::begin(double time_s) {
   now_s_ = time_s;
 }
 
-/// Whether a row that comes that late is as long as a vehicle of the present velocity goes in all that time.
+/// Returns true if a late row is as long as the present velocity yields in all that time.
 bool OdometryQueue::sums_up(const Pose& T, double since_s) const {
   const Velocity moved = velocity_of(T, 1.0);
   const auto misfit = [&](double span_s) {
@@ -91,7 +91,7 @@ bool OdometryQueue::sums_up(const Pose& T, double since_s) const {
 OdometryQueue::RowMotion OdometryQueue::motion_of(const Row& row, bool anchored, double last_row_s,
                                                   const std::optional<Pose>& T_last) const {
   RowMotion motion{.begin_s = row.time_s};
-  if (!anchored || (row.is_pose && !T_last)) return motion;  // the anchor: it tells no motion
+  if (!anchored || (row.is_pose && !T_last)) return motion;  // the anchor has no motion
   const double since_s = row.time_s - last_row_s;
   OdometryStep step = row.step;
   if (row.is_pose) step.set_pose(T_last->inverse() * row.T_odometry_vehicle);

@@ -24,49 +24,48 @@ using Velocity = Eigen::Matrix<double, 6, 1>;
 struct MotionPart {
   OdometryObservation observation;  ///< the motion and its sigmas
   double span_s = 0.0;
-  Velocity velocity = Velocity::Zero();  ///< of the whole row
+  Velocity velocity = Velocity::Zero();  ///< mean velocity over the whole row
   double speed_variance = 0.0, turn_rate_variance = 0.0;
 };
 
-/// Odometry of one vehicle, in whatever order its rows come, as motions from instant to instant.
+/// Odometry of one vehicle, with rows in any order, as motions between times.
 ///
-/// Incremental rows that are lost leave a gap: a row then comes later behind the one before it than rows
-/// usually do, although it covers the usual time only. A row whose length shows that it sums up what was not
-/// sent leaves none. Rows that state the pose in odometry's own frame leave no gaps at all. No memory is
-/// taken after construction.
+/// A lost incremental row leaves a gap: the next row comes later than usual, although it covers the usual
+/// time only. A row whose length shows that it includes the lost motion leaves no gap. Rows with the pose in
+/// the frame of the odometry never leave gaps. No memory is allocated after construction.
 class OdometryQueue {
  public:
   OdometryQueue(const OdometryAccuracy& accuracy, Motion motion, const std::optional<MotionPrior>& prior);
 
-  /// @return false: its time has passed, or there is a row of that time already
+  /// @return false if its time has passed, or if there is a row with this time
   bool insert(const OdometryStep& row);
-  /// The vehicle's pose in odometry's own frame.
+  /// Inserts the vehicle's pose in the frame of the odometry.
   bool insert(double time_s, const Pose& T_odometry_vehicle);
-  /// Begins at an instant, where nothing did before.
+  /// Starts at a time, unless started already.
   void begin(double time_s);
   [[nodiscard]] bool has_begun() const { return begun_; }
   [[nodiscard]] bool has_rows() const { return anchored_ || !pending_.empty(); }
   [[nodiscard]] double now_s() const { return now_s_; }
-  /// Whether odometry tells the motion up to an instant, without a gap.
+  /// Returns true if odometry determines the motion up to a time, without a gap.
   [[nodiscard]] bool covers(double time_s) const;
-  /// Calls step(MotionPart) for what odometry tells, and coast(span_s, since_s) for what it does not.
+  /// Calls step(MotionPart) for motions from odometry, and coast(span_s, since_s) for gaps.
   template <class Step, class Coast>
   void advance_to(double time_s, Step&& step, Coast&& coast);
 
-  /// Motions of the last moments are kept, for arrivals that come late.
+  /// Stores a recent motion, for late arrivals.
   void remember(const OdometryObservation& motion, double span_s);
   [[nodiscard]] double oldest_s() const;
-  /// Calls step(motion) for the inverse motions from now back to an instant, and for those from there to now.
+  /// Calls step(motion) for the inverse motions from now back to a time, and for those from there to now.
   template <class Step>
   void back_to(double time_s, Step&& step) const;
   template <class Step>
   void forward_from(double time_s, Step&& step) const;
 
-  /// Velocity by the last rows, and its variances.
+  /// Velocity from the last rows, and its variances.
   [[nodiscard]] const Velocity& velocity() const { return velocity_; }
   [[nodiscard]] double speed_variance() const { return speed_variance_; }
   [[nodiscard]] double turn_rate_variance() const { return turn_rate_variance_; }
-  /// As the site states the motion, or as fast as the vehicle was seen to move.
+  /// Limits from the motion model of the site, or from the observed motion.
   [[nodiscard]] const MotionLimits& limits() const { return limits_; }
 
  private:
@@ -76,7 +75,7 @@ class OdometryQueue {
     OdometryStep step{};
     Pose T_odometry_vehicle{};
   };
-  /// What a row tells: from when on, and what it came to until its time.
+  /// Motion of a row: its start and the motion until its time.
   struct RowMotion {
     double begin_s = 0.0;
     Pose T_before_after{};
@@ -101,16 +100,16 @@ class OdometryQueue {
   Motion motion_;
   bool limits_stated_;
   MotionLimits limits_;
-  std::vector<Row> pending_;  ///< in the order of time
+  std::vector<Row> pending_;  ///< in order of time
   std::vector<Past> past_;
   bool begun_ = false, anchored_ = false;
   double now_s_ = 0.0;
-  double last_row_s_ = -std::numeric_limits<double>::infinity();  ///< of the last row that was passed
+  double last_row_s_ = -std::numeric_limits<double>::infinity();  ///< time of the last row that was used
   double known_until_s_ = -std::numeric_limits<double>::infinity();
-  std::optional<Pose> T_last_;  ///< of the last row, where that stated a pose
+  std::optional<Pose> T_last_;  ///< pose of the last row, if it had one
   double interval_s_ = 0.0;     ///< usual time between rows; 0: not known yet
   double spread_s_ = 0.0;       ///< usual deviation from that
-  int gaps_ = 0;                ///< one after the other
+  int gaps_ = 0;                ///< number of consecutive gaps
   Velocity velocity_ = Velocity::Zero();
   double speed_variance_ = 0.0, turn_rate_variance_ = 0.0;
 };
@@ -140,7 +139,7 @@ void OdometryQueue::advance_to(double time_s, Step&& step, Coast&& coast) {
     now_s_ = known_until_s_ = until_s;
     if (now_s_ >= row.time_s) finish(row, motion);
   }
-  // An anchor at this very instant.
+  // An anchor at exactly this time.
   while (!pending_.empty() && pending_.front().time_s <= now_s_)
     finish(pending_.front(), motion_of(pending_.front(), anchored_, last_row_s_, T_last_));
 }

@@ -17,15 +17,15 @@ namespace octant {
 namespace {
 
 constexpr std::size_t kMaxNodes = 768, kMaxArrivals = 8192;
-/// Room for a wrong speed, as a share of its prior sigma.
+/// Additional uncertainty for a wrong speed, as a share of its prior sigma.
 constexpr std::array kSpeedRooms = {1.0, 0.3, 0.1, 0.0};
 constexpr int kStepsPerRoom = 4;
-constexpr double kProfileSpan = 0.3;        ///< of the room, to both sides
-constexpr double kLeastProfileSpan = 2e-4;  ///< of the speed
-/// The robust solution marks no outliers: its variance is inflated as that of the start's pose is.
+constexpr double kProfileSpan = 0.3;        ///< share of that uncertainty, to both sides
+constexpr double kLeastProfileSpan = 2e-4;  ///< share of the speed
+/// The robust solution marks no outliers, so its variance is inflated like that of the start's pose.
 constexpr double kInflation = 4.0;
 
-/// Squares of all residuals at an offset of the speed, with its prior.
+/// Sum of squared residuals at an offset of the speed, including its prior.
 class MisfitBySpeed {
  public:
   MisfitBySpeed(Trajectory& t, const Segment& window, EpochFixModel& model, double sigma_mps)
@@ -84,7 +84,7 @@ void StartWindow::add(const Trajectory& instant) {
     alpha = (time_s - t_.nodes[node].time_s) / (t_.nodes[node + 1].time_s - t_.nodes[node].time_s);
   for (const ArrivalObservation& a : instant.arrivals) {
     if (t_.arrivals.size() == kMaxArrivals) return keep_recent_half();
-    if (a.two_way && node < last_node()) continue;  // the way back is known for the newest alone
+    if (a.two_way && node < last_node()) continue;  // the return path is known for the newest node only
     const auto after = std::ranges::upper_bound(
         t_.arrivals, std::pair<std::size_t, double>(node, alpha), {},
         [](const ArrivalObservation& o) { return std::pair<std::size_t, double>(o.node, o.alpha); });

@@ -12,17 +12,17 @@
 
 namespace octant {
 
-/// The last part of a drive, from which the place is searched. All memory is taken at construction.
+/// The last part of a drive, in which the pose is searched. All memory is allocated at construction.
 class StartWindow {
  public:
-  /// @param vehicle  what the states consist of
+  /// @param vehicle  state space of the vehicle
   explicit StartWindow(const StateSpace& vehicle);
 
   void begin(double time_s);
-  /// Nothing has been received, and no time has passed.
+  /// Returns true if there are no arrivals and no time has passed.
   [[nodiscard]] bool is_new() const { return t_.arrivals.empty() && t_.odometry.empty(); }
   void step(const OdometryObservation& motion, double span_s);
-  /// Adds the arrivals of one instant. @param instant  a trajectory of one node
+  /// Adds the arrivals of one time. @param instant  a trajectory of one node
   void add(const Trajectory& instant);
   void keep_recent_half();
 
@@ -37,19 +37,19 @@ class StartWindow {
   Trajectory t_;
 };
 
-/// The offset of the speed by a window that is placed, and how the last node's pose follows it.
+/// Offset of the speed from a solved window, and its effect on the last node's pose.
 struct StartSpeed {
   SpeedBelief speed;
   PoseTangent by_speed;
 };
 
-/// Sigma of a range that a speed of that sigma leaves in a window [m].
+/// Sigma of the ranges in a window due to the sigma of the speed [m].
 [[nodiscard]] double range_sigma_of_speed_m(const Trajectory& trajectory, const Segment& window,
                                             const EpochFixModel& model, double sigma_mps);
 
-/// The parabola through the squares of all residuals at some speeds (the profile of the likelihood), its
-/// states solved at each, with less and less room for a wrong speed in the ranges. Leaves the window solved
-/// at that speed, and the model with it.
+/// Fits a parabola to the sum of squares at several speeds (profile likelihood). The states are solved at
+/// each speed, with a decreasing additional uncertainty of the ranges. Sets the window and the model to the
+/// resulting speed.
 /// @param sigma_mps  prior sigma of the offset
 [[nodiscard]] StartSpeed fit_start_speed(Trajectory& trajectory, const Segment& window, EpochFixModel& model,
                                          double sigma_mps);
