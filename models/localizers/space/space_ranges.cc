@@ -116,7 +116,7 @@ class PlaceSearch {
 /// A linear function of the calibrated parameters: columns of their covariance with factors.
 using LinearForm = std::vector<std::pair<int, double>>;
 
-/// Adds the place of a beacon along a direction, times the direction's length.
+/// Adds the position of a beacon along a direction, times the direction's length.
 void add_place(const CalibrationPart& calibration, BeaconId beacon, const Eigen::Vector3d& along,
                LinearForm& form) {
   ObservationRow row;
@@ -133,20 +133,20 @@ double variance_of_form(const LinearForm& form, const Eigen::MatrixXd& covarianc
   return variance;
 }
 
-/// Whether the beacons' distances from the line that comes nearest to them, root of the mean square, are
-/// within two sigmas of what the calibration knows of these distances, or of a range.
+/// Returns true if the root-mean-square distance of the beacons from their best-fitting line is within two
+/// sigmas of its calibration, or of a range.
 bool are_in_line(const SpaceSetting& s) {
   constexpr double kSigmas = 2.0;
   std::vector<BeaconId> beacons;
   for (std::size_t b = 0; b < s.deployment.beacons.size(); ++b)
     if (s.deployment.beacons[b].status != BeaconStatus::kUndetermined) beacons.emplace_back(b);
-  if (beacons.size() < 3) return false;  // then there are too few to begin with
+  if (beacons.size() < 3) return false;  // too few for a start
   const auto n = static_cast<double>(beacons.size());
   double off_m2 = 0.0, sigma_m2 = square(s.range_sigma_m);
   for (const BeaconId beacon : beacons)
     for (const Eigen::Vector3d& axis : {s.plane.normal, s.plane.across}) {
       off_m2 += square(axis.dot(s.deployment.beacons[beacon.index()].position_m - s.plane.centre_m)) / n;
-      LinearForm form;  // from the centre of all
+      LinearForm form;  // relative to the centre of all
       for (const BeaconId other : beacons)
         add_place(s.calibration, other, ((other == beacon ? 1.0 : 0.0) - 1.0 / n) * axis, form);
       sigma_m2 += variance_of_form(form, s.calibration.covariance()) / n;

@@ -38,7 +38,7 @@ struct BeaconPlane {
   double off_m = 0.0;     ///< root mean square distance of the beacons from it
   Eigen::Vector3d centre_m = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();
   Eigen::Vector3d across =
-      Eigen::Vector3d::UnitX();  ///< in the plane, across the line that comes nearest to them
+      Eigen::Vector3d::UnitX();  ///< in the plane, perpendicular to the best-fitting line
 
   [[nodiscard]] double height_m(const Eigen::Vector3d& p) const { return normal.dot(p - centre_m); }
 };
@@ -54,13 +54,14 @@ struct SpaceSetting {
   std::vector<int> bias;  ///< index of each beacon's bias in the state; -1: without bias
   Eigen::Index size = 6;
   double bias_sigma_m = 0.0, bias_time_s = 1.0;
-  double range_sigma_m = 0.0;                                    ///< of one range, its bias included
-  Eigen::Vector3d p_centre_vehicle_m = Eigen::Vector3d::Zero();  ///< of the receivers
+  double range_sigma_m = 0.0;                                    ///< sigma of one range, including its bias
+  Eigen::Vector3d p_centre_vehicle_m = Eigen::Vector3d::Zero();  ///< centre of the receivers
   double extent_m = 1.0;                                         ///< extent of the beacons
-  double reach_m = 1.0;  ///< of what the vehicle moves in: the beacons' extent, or its median range
+  double reach_m = 1.0;  ///< size of the space of motion: extent of the beacons, or median range
   bool in_line =
-      false;          ///< the beacons, as well as their places are known: a vehicle may turn about the line
-  BeaconPlane plane;  ///< plane of the beacons
+      /// True if the beacons are collinear within their accuracy, so that a vehicle may rotate about the line
+      false;
+  BeaconPlane plane;                 ///< plane of the beacons
   std::vector<double> off_plane_m2;  ///< calibration variance of each beacon's distance from the plane
 
   SpaceSetting(const Deployment& d, const SpaceTrackOptions& o);

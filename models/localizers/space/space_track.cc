@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t kPoseArrivals =
     7;  ///< number of arrivals at an instant for a checked pose with six degrees of freedom
-constexpr std::ptrdiff_t kAttitudeReceivers = 3;  ///< of a vehicle, whose arrivals tell its attitude
+constexpr std::ptrdiff_t kAttitudeReceivers = 3;  ///< receivers of a vehicle that determine its attitude
 constexpr int kMostSides = 4;              ///< number of rounds in which the sides of a track are examined
 constexpr std::size_t kFewestBeacons = 3;  ///< number of beacons that determine a position in space
 /// Candidate densities of the white-noise acceleration [m^2/s^3]: from a carried tripod to a racing drone.
@@ -167,8 +167,8 @@ class SpaceTracker {
     });
   }
 
-  /// Whether the arrivals of instants [first, last) support a track: most of them agree, and where it was
-  /// lost behind them, they are more than a filter goes on with from a wrong place.
+  /// Returns true if the arrivals of instants [first, last) support a track: most of them agree, and if it
+  /// was lost afterwards, there are more than a filter accepts from a wrong position.
   [[nodiscard]] bool is_supported(std::size_t first, std::size_t last, bool lost) const {
     constexpr std::size_t kFewestBeforeLoss = 20;
     std::size_t used = 0, outliers = 0;
@@ -234,7 +234,7 @@ class SpaceTracker {
   SpaceSetting setting_;
   VehicleId vehicle_;
   SpaceRanges ranges_;
-  LeastSquaresLocalizer alone_;  ///< of instants that no track reaches
+  LeastSquaresLocalizer alone_;  ///< for instants without a track
 };
 
 }  // namespace

@@ -12,31 +12,33 @@
 
 namespace octant {
 
-/// Whether the arrivals of a run can be tracked in space: there is neither odometry nor a motion prior, and
-/// the clocks are synchronised.
+/// Returns true if the arrivals of a run can be tracked in space: there is neither odometry nor a motion
+/// prior, and the clocks are synchronised.
 [[nodiscard]] bool may_track_in_space(const Deployment& deployment, const MeasurementLog& log);
 
-/// Whether a run is a drive in space that is best located by its arrivals alone: it can be, and at
-/// an instant has too few arrivals or receivers for a pose of six degrees of freedom. Epochs may be its
-/// instants where most of them follow each other within SpaceTrackOptions::max_gap_s; stops that are further
-/// apart in time are located one by one.
+/// Returns true if a run is a drive in space that is best located by its arrivals alone: it can be, and at
+/// one time there are too few arrivals or receivers for a pose with six degrees of freedom. Epochs count as
+/// times if most of them follow each other within SpaceTrackOptions::max_gap_s; stops that are further apart
+/// are located one by one.
 [[nodiscard]] bool is_drive_in_space(const Deployment& deployment, const MeasurementLog& log);
 
 /// Track of a vehicle in space by its arrivals alone: position and velocity under white-noise acceleration,
-/// whose density is that of the greatest likelihood of the innovations. An iterated extended Kalman filter,
-/// smoothed over the run (Rauch, Tung and Striebel 1965). The attitude is not estimated: the fix's rotation
-/// is the identity with the variance of a uniform angle, and what the receivers' lever arms may put the
-/// origin off counts in its covariance. Errors that last (noise.correlated) are a first-order Gauss-Markov
-/// state a beacon; the calibration's part of the covariance follows the estimate through filter and smoother
-/// (Schmidt's consider parameters). One fix at every instant of arrivals (an epoch, or a ping). Instants that
-/// no track reaches are located one by one where they have arrivals enough (LeastSquaresLocalizer).
+/// with the spectral density that maximises the likelihood of the innovations. An iterated extended Kalman
+/// filter, smoothed over the run (Rauch, Tung and Striebel 1965).
 ///
-/// Beacons in one plane leave a mirror image: taken is the one above the floor (z = 0) and, if both are,
-/// below the beacons. A track that comes near their plane may have gone through it: then the distance of the
-/// images counts in the covariance.
+/// The attitude is not estimated. The rotation of a fix is the identity with the variance of a uniform angle,
+/// and the effect of the receivers' lever arms on the origin is part of its covariance. Lasting errors
+/// (noise.correlated) are a first-order Gauss-Markov state for each beacon. The calibration's part of the
+/// covariance follows the estimate through filter and smoother (Schmidt's consider parameters). There is one
+/// fix at every time with arrivals (an epoch, or a ping). Times without a track are located one by one if
+/// they have enough arrivals (LeastSquaresLocalizer).
 ///
-/// Protection levels are horizontal, as everywhere. None where fewer than four beacons are heard, where the
-/// track is lost without one of them, or lies six sigmas off it.
+/// For coplanar beacons there is a mirror image. The position above the floor (z = 0) is used and, if both
+/// are, the one below the beacons. A track near their plane may have passed through it: then the distance of
+/// the images is part of the covariance.
+///
+/// Protection levels are horizontal. There is no level if fewer than four beacons are received, if the track
+/// is lost without one of them, or if it deviates by six sigmas from such a track.
 [[nodiscard]] std::vector<Fix> track_in_space(const MeasurementLog& log, const Deployment& deployment,
                                               const SpaceTrackOptions& options = {});
 
