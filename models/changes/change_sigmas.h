@@ -28,9 +28,9 @@ enum class MediumKind { kAir, kWater, kRadio };
 /// Prior of a parameter that is known to have changed, independent of its earlier value.
 [[nodiscard]] ChangeSigmas released_sigmas(double speed_mps);
 
-/// Drift between two visits that are so many months apart: in quadrature, the differences between two visits
-/// of one day and a part that grows with time, as settling and ageing do. Both are given for the kind of
-/// medium; delays drift by a range, which the speed of the medium turns into a time.
+/// Drift between two visits, months apart: in quadrature, the differences between two visits on one day and a
+/// part that grows with time, such as settling and ageing. Both depend on the kind of medium. Delays drift by
+/// a range, which the speed of the medium converts to a time.
 ///
 /// | kind  | beacon, delay, receiver, speed at once | a year                      |
 /// |-------|----------------------------------------|-----------------------------|

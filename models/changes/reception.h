@@ -19,7 +19,7 @@ struct Silence {
 
 /// Arrivals received from one beacon, or by one receiver, and the number expected.
 struct Reception {
-  double received = 0.0, expected = 0.0;  ///< of the whole visit
+  double received = 0.0, expected = 0.0;  ///< numbers over the whole visit
   bool is_silent = false;
   Silence silence;  ///< for is_silent; the subject is left empty
 };
@@ -50,8 +50,8 @@ class ReceptionLog {
   std::size_t subjects_;
   double reach_m_;
   std::vector<double> time_s_;
-  std::vector<std::size_t> subject_;  ///< of each arrival
-  std::vector<float> distance_m_;     ///< of all subjects, arrival by arrival
+  std::vector<std::size_t> subject_;  ///< subject of each arrival
+  std::vector<float> distance_m_;     ///< distances of all subjects, arrival by arrival
 };
 
 /// Probability that a negative binomial count is at most this large.

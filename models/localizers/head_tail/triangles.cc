@@ -31,7 +31,7 @@ Eigen::Vector2d rotated_about(const Eigen::Vector2d& p, const Eigen::Vector2d& c
   return {c * dx - s * dy + centre.x(), s * dx + c * dy + centre.y()};
 }
 
-/// Sides that fail to close by no more than noise put the receiver on the base line.
+/// If the sides fail to close only by noise, the receiver is on the base line.
 bool nearly_closes(const StationRange& i, const StationRange& j, double base_m, double sigmas) {
   const double noise_m = sigmas * std::hypot(i.sigma_m, j.sigma_m);
   return i.distance_m + j.distance_m > base_m - noise_m &&

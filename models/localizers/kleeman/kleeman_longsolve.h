@@ -59,7 +59,7 @@ struct LongsolveFix {
   BeaconSet averaged;                                ///< beacons in the averaged triples
   BeaconSet agreeing, late, early;                   ///< judged by the residuals of all given beacons
   int triples = 0;                                   ///< number of averaged triples
-  double chi2 = 0.0;                                 ///< of the residuals of the agreeing beacons
+  double chi2 = 0.0;                                 ///< chi-square of the agreeing beacons
 
   [[nodiscard]] bool ok() const { return status == FixStatus::kOk; }
 };

@@ -98,7 +98,7 @@ double mean_range_sigma_m(const Trajectory& t, const Segment& segment, const Epo
   return std::sqrt(sum_m2 / std::max(count, 1));
 }
 
-/// Whether a fix means little: its sigma is large by itself, and beside that of the ranges.
+/// Returns true if the sigma of a fix is large, by itself and relative to that of the ranges.
 bool is_poor(const Trajectory& t, const Segment& segment, const EpochFixModel& model,
              const EpochFixOptions& options, bool place_alone, const PoseCovariance& covariance) {
   constexpr double kMaxDilution = 10.0;
@@ -264,7 +264,7 @@ bool fix_in_closed_form(Trajectory& t, const Segment& segment, const EpochFixMod
   return false;
 }
 
-/// Unknowns of a node besides its cycle offset, where nothing but the place is sought.
+/// Unknowns of a node besides its cycle offset, if only the position is estimated.
 constexpr int kPlaceUnknowns = 3;
 
 /// @param place_alone  the model is a PlaceModel's
@@ -327,7 +327,7 @@ void fix_node(Trajectory& t, const Segment& segment, const EpochFixModel& model,
   if (!node.placed) sigmas.restore();
 }
 
-/// Whether three receivers that are not in line received enough for a pose, or it was measured.
+/// Returns true if three receivers that are not collinear received enough for a pose, or it was measured.
 bool may_tell_attitude(const Trajectory& t, const Segment& segment, const EpochFixModel& model) {
   constexpr double kInLine_m2 = 1e-4;
   if (segment.first_pose != segment.last_pose) return true;

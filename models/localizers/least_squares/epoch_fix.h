@@ -38,8 +38,8 @@ void fix_epoch(Trajectory& trajectory, const Segment& segment, const EpochFixMod
 
 struct PlaceModel;
 
-/// Robust least-squares localizer: one fix an epoch, by the labelled bearings too where there are any. In
-/// space an epoch that leaves the attitude open gives a place (place_fix.h).
+/// Robust least-squares localizer: one fix for each epoch, with labelled bearings if there are any. In space
+/// an epoch that does not determine the attitude gives a position (place_fix.h).
 class LeastSquaresLocalizer final : public Localizer {
  public:
   explicit LeastSquaresLocalizer(Deployment deployment, EpochFixOptions options = {});

@@ -20,8 +20,8 @@ struct EpochFixOptions {
   /// Additional sigma of every range, for roughly known beacons [m].
   double range_uncertainty_m = 0.0;
   double rejection_sigmas = 4.0;
-  /// Geometry is poor where a horizontal sigma (of a place in space: the largest) is beyond this, and beyond
-  /// ten times that of a range.
+  /// Geometry is poor if a horizontal sigma (for a position in space: the largest) exceeds this, and ten
+  /// times that of a range.
   double max_sigma_m = 1.0;
   int max_candidates = 640;    ///< number of poses tried in the coarse search
   bool bounded_search = true;  ///< SearchOptions::bounded

@@ -135,15 +135,14 @@ void LeastSquaresLocalizer::fix_segment(Trajectory& trajectory, const Segment& e
     fix_epoch(trajectory, epoch, model_, options_, fix);
   }
   if (fix.ok()) calibration_.add_to(fix.covariance, trajectory, epoch, model->state);
-  // Beacons known roughly: their misfits are no faults.
+  // Misfits of roughly known beacons are not faults.
   if (fix.ok() && options_.range_uncertainty_m == 0.0) protect(trajectory, epoch, *model, fix);
   if (model != &model_) leave_attitude_open(*place_, fix);
 }
 
-/// Bounds the error of a fix by what a fault could do. A beacon
-/// whose arrivals together contradict the others is left out where three others remain, which then must
-/// agree: two cannot tell which of them is at fault. Where that does not lead to agreement all stay in use,
-/// and the fix has no level.
+/// Bounds the error of a fix under one fault. A beacon whose arrivals together contradict the others is
+/// excluded if three others remain, which must then agree; with two, the faulty one cannot be identified.
+/// Without agreement all remain in use, and the fix has no level.
 void LeastSquaresLocalizer::protect(Trajectory& trajectory, const Segment& epoch, const EpochFixModel& model,
                                     Fix& fix) const {
   constexpr int kMostExcluded = 2, kFewestBeacons = 4;

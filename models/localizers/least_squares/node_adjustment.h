@@ -36,13 +36,13 @@ struct NodeAdjustment {
 bool reject_arrivals(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                      double range_uncertainty_m, double sigmas);
 
-/// Marks the labelled bearings of the segment likewise, those that are off by more than `sigmas`. They are
-/// neither late nor early, so their reason is of the side they are off to.
+/// Marks the labelled bearings of the segment in the same way, if they deviate by more than `sigmas`. The
+/// sign of the deviation selects kLate or kEarly, although bearings are neither.
 bool reject_bearings(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                      double range_uncertainty_m, double sigmas);
 
-/// Adjusts and rejects in turn until no rejection changes. Each arrival is judged by its own sigma and
-/// weighed by what it adds to the others of its pair.
+/// Alternates adjustment and rejection until no rejection changes. Each arrival is judged by its own sigma
+/// and weighted by the information that it adds to the others of its pair.
 NodeAdjustment adjust_and_reject(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                                  double range_uncertainty_m, double sigmas, CorrelatedArrivals& weights);
 

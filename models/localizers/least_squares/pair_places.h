@@ -54,7 +54,7 @@ class PairPlaces {
  private:
   /// A range with its lower cost bound at the width of the bounds.
   struct Limit {
-    Circle circle;  ///< of the vehicle's origin, without the lever arm
+    Circle circle;  ///< circle of the vehicle's origin, without the lever arm
     double dz2_m2;
     double lever_m;  ///< horizontal length of the lever arm
     double noise_m;  ///< possible shift of the circle by noise
@@ -78,7 +78,7 @@ class PairPlaces {
   using OfHeadings = Eigen::Array<double, Eigen::Dynamic, 1, 0, kMostHeadings, 1>;
   /// Sectors of headings with a lower score bound in each.
   struct Sectors {
-    OfHeadings cosine, sine;  ///< of the sectors' middles
+    OfHeadings cosine, sine;  ///< cosines and sines of the sectors' middles
     double half_width_rad = 0.0;
     OfHeadings least;
   };

@@ -14,25 +14,25 @@
 
 namespace octant {
 
-/// A vehicle in space of which only the place is sought: all its receivers are in one point, their centre.
+/// Model of a vehicle in space if only its position is estimated: all receivers are at their centre.
 struct PlaceModel {
   EpochFixModel model;
-  std::vector<Eigen::Vector3d> p_centre_vehicle_m;  ///< of each vehicle's receivers
-  std::vector<double> receiver_variance_m2;  ///< of each receiver's place about the centre, in each axis
+  std::vector<Eigen::Vector3d> p_centre_vehicle_m;  ///< centre of each vehicle's receivers
+  std::vector<double> receiver_variance_m2;  ///< variance of each receiver about the centre, in each axis
 };
 [[nodiscard]] std::shared_ptr<const PlaceModel> place_model(const Deployment& deployment,
                                                             const EpochFixModel& model);
 
-/// Fix of a segment of one node in space: a pose (fix_epoch) where three receivers that are not in line
-/// received enough for it; else the place of the receivers' centre, a fix of three unknowns, from three
-/// beacons on. Returns the model that the fix was made by: `model`, or that of `place`. For the latter
-/// leave_attitude_open() is to be called when all else is added to the fix.
+/// Fix of a segment of one node in space: a pose (fix_epoch) if three receivers that are not collinear
+/// received enough for it; otherwise the position of the receivers' centre, a fix with three unknowns, from
+/// three or more beacons. Returns the model of the fix: `model`, or that of `place`. For the latter, call
+/// leave_attitude_open() after everything else is added to the fix.
 const EpochFixModel& fix_pose_or_place(Trajectory& trajectory, const Segment& segment,
                                        const EpochFixModel& model, const PlaceModel& place,
                                        const EpochFixOptions& options, Fix& fix);
 
-/// Completes a fix of a place: its rotation is unknown, and what that may put the origin off the centre
-/// counts in covariance and protection level (open_attitude.h).
+/// Completes a fix of a position: its rotation is unknown, and the possible distance of the origin from the
+/// centre is part of covariance and protection level (open_attitude.h).
 void leave_attitude_open(const PlaceModel& place, Fix& fix);
 
 }  // namespace octant

@@ -13,7 +13,7 @@ constexpr double kWidth2 =
     0.01;  ///< squared ratio of lateral to longitudinal spread below which beacons are collinear
 constexpr std::size_t kMostSets = 600;  ///< number of sets of excluded beacons
 
-/// What the arrivals of some beacons tell together.
+/// Joint information of the arrivals of some beacons.
 struct Agreement {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< x, y, heading
   double beacons = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;

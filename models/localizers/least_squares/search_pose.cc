@@ -46,7 +46,7 @@ void enter(Consensus& consensus, const PlanarState& state, const Eigen::Matrix4d
   const Candidate found{state, consensus.score(state)};
   if (!std::isfinite(found.score)) return;
   for (std::size_t i = 0; i < result.poses.size(); ++i) {
-    // The same position reached from two sides: keep the better one.
+    // A position reached from two sides is one pose: keep the better one.
     if (std::min(distance2(result.poses[i].state, state, result.information[i]),
                  distance2(state, result.poses[i].state, information)) > 9.0)
       continue;

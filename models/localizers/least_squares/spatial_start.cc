@@ -227,8 +227,8 @@ std::pair<Eigen::Vector3d, Eigen::Vector3d> plane_of_beacons(const SearchProblem
   return {centre, SymmetricEigen<Eigen::Matrix3d>(spread).eigenvectors().col(0)};
 }
 
-/// Places that samples of the beacons leave, and their mirror images: beacons near a plane hardly tell the
-/// sides.
+/// Positions from samples of the beacons, and their mirror images: nearly coplanar beacons hardly distinguish
+/// the sides.
 std::pmr::vector<PlaceState> place_starts(const SearchProblem& problem) {
   const auto [centre, normal] = plane_of_beacons(problem);
   const auto samples = samples_of(problem.groups(), problem.has_offset ? 5 : 4);

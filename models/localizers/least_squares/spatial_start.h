@@ -37,9 +37,9 @@ inline constexpr std::size_t kCoarseRotations = 24;
 [[nodiscard]] bool start_spatial(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                                  const EpochFixOptions& options, bool& found);
 
-/// Start of a fix in space of which only the place (and the offset) is sought: linear multilateration of
-/// small samples of the beacons, each solved under a one-sided loss; the best by its cost. Sets the node, its
-/// rotation to the identity. Results as those of start_spatial.
+/// Initial position (and offset) of a fix in space without attitude: linear multilateration of small samples
+/// of the beacons, each solved under a one-sided loss; the best by its cost. Sets the node, with the identity
+/// as rotation. Results as those of start_spatial.
 [[nodiscard]] bool start_place(Trajectory& trajectory, const Segment& segment, const EpochFixModel& model,
                                const EpochFixOptions& options, bool& found);
 
