@@ -9,25 +9,25 @@
 
 namespace octant::calib {
 
-/// An error that many observations have in common and that no parameter takes up.
+/// An error that many observations have in common and that no parameter absorbs.
 struct CommonError {
   enum class Kind {
-    kWay,    ///< odometry's is too long by that part of it
-    kTurns,  ///< likewise too large
-    kSpeed,  ///< sound is faster by that part of it at the recording's end than at its beginning
-    kDrift,  ///< times of flight are longer by that [s] at its end
-    kJump,   ///< times of flight are longer by that [s] from a time on
-    kShift,  ///< measured poses are shifted by that [m] from a time on
-    kLag     ///< measured poses are stamped late by that [s]
+    kWay,    ///< relative error of odometry distances
+    kTurns,  ///< relative error of odometry turns
+    kSpeed,  ///< relative increase of the speed from start to end of the recording
+    kDrift,  ///< increase of the times of flight at its end [s]
+    kJump,   ///< increase of the times of flight from a time on [s]
+    kShift,  ///< shift of measured poses from a time on [m]
+    kLag     ///< lag of the time stamps of measured poses [s]
   };
   Kind kind = Kind::kWay;
   std::size_t run = 0;    ///< index into Problem::runs; all odometry has one error
-  double time_s = 0.0;    ///< of a jump or a shift
-  double size = 0.0;      ///< about
-  double sigmas = 0.0;    ///< size over its standard deviation
-  double length_m = 0.0;  ///< by which it moves ranges or poses, about
-  /// Noise over the stated one that is left without it and without all else that was found; infinite: not
-  /// adjusted, or many arrivals are left out.
+  double time_s = 0.0;    ///< time of a jump or a shift
+  double size = 0.0;      ///< approximate
+  double sigmas = 0.0;    ///< size divided by its standard deviation
+  double length_m = 0.0;  ///< approximate shift of ranges or poses
+  /// Ratio of the noise that remains without all common errors to that of the site file; infinite: not
+  /// adjusted, or many arrivals are rejected.
   double noise_left = INFINITY;
   Eigen::Vector3d along = Eigen::Vector3d::Zero();  ///< unit vector of a shift, in the map
 };

@@ -14,7 +14,7 @@ inline constexpr std::size_t kDrawsAbreast = 16;
 struct alignas(64) DrawLine {
   float of[kDrawsAbreast] = {};
 };
-/// One coordinate of a vehicle state, likewise; states of long chains are solved for in double precision.
+/// One coordinate of a vehicle state for each draw; states of long chains are solved in double precision.
 struct alignas(64) StateLine {
   double of[kDrawsAbreast] = {};
 };
@@ -25,11 +25,11 @@ struct StateTaps {
     std::uint32_t state = 0;  ///< coordinate
     float by = 0.0F;
   };
-  std::vector<std::uint32_t> first;  ///< begin of each row, and the end
+  std::vector<std::uint32_t> first;  ///< start of each row, and the end
   std::vector<Tap> taps;
 };
 
-/// States of chains as block-tridiagonal elimination leaves them: A = D - U'A_before^-1 U.
+/// Chains of states after block-tridiagonal elimination: A = D - U'A_before^-1 U.
 struct StateChains {
   struct Link {
     std::uint32_t first = 0;  ///< coordinate
@@ -43,8 +43,8 @@ struct StateChains {
   std::uint32_t coordinates = 0;
 };
 
-/// e -= J x, x the states that observations with errors e have, (J'J)^-1 J'e: what states take of errors.
-/// @param x  room
+/// e -= J x with x = (J'J)^-1 J'e: removes the part of errors that states absorb.
+/// @param x  scratch memory
 void subtract_states(const StateTaps& J, const StateChains& chains, std::vector<DrawLine>& e,
                      std::vector<StateLine>& x);
 

@@ -20,13 +20,13 @@ inline constexpr std::size_t kFewestObservations = 30;
 
 /// White noise of one kind of observation is the component whose cells are the observations.
 struct ErrorComponent {
-  ErrorPart part;                       ///< not of white noise
+  ErrorPart part;                       ///< not for white noise
   std::vector<std::size_t> partitions;  ///< index in the sums of its kind; no value: white
   bool bearings = false;
   [[nodiscard]] bool is_white() const { return partitions.empty(); }
 };
 
-/// The components that errors of a sample may have, those of white noise first; their draws and their sums.
+/// Components that errors of a sample may have, those of white noise first; their draws and sums.
 class ErrorComponents {
  public:
   /// @param sample  not owned
@@ -44,7 +44,7 @@ class ErrorComponents {
   [[nodiscard]] std::size_t count(bool bearings) const { return rows_of(bearings).size(); }
   /// Number of cells of a partition of the component; a white one has one for each observation.
   [[nodiscard]] std::size_t cells_of(Eigen::Index m) const;
-  /// Leaves out all but these. @param kept  ascending
+  /// Removes all others. @param kept  ascending
   void keep(const std::vector<Eigen::Index>& kept);
 
   /// Adds normal errors of one component, sixteen draws.
@@ -54,7 +54,7 @@ class ErrorComponents {
   /// Plus or minus one in each cell of a component (Hutchinson's draws), in one of sixteen columns.
   void set_signs(Eigen::Index m, std::size_t draw, std::size_t column, DrawBits& random,
                  std::vector<DrawLine>& errors) const;
-  /// Sums of squares of all components, rows, of each draw: |Z'r|^2, averaged over partitions.
+  /// Sums of squares of all components (rows) for each draw (columns): |Z'r|^2, averaged over partitions.
   using Scratch = std::array<CellSums::Scratch, 2>;
   [[nodiscard]] Eigen::MatrixXd sums_of(const std::vector<DrawLine>& r, Scratch& scratch) const;
   /// F'Z Z'F of a component, averaged over partitions.

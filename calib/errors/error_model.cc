@@ -21,10 +21,10 @@ namespace {
 
 constexpr std::size_t kTestedRows = 3'000;  ///< sample of a long log of stops for the test of whiteness
 constexpr std::size_t kMostRows = 40'000;
-/// Chance, all sums together, down to which residuals pass as white, and from which on they are not. Real
-/// errors hardly ever are white, and a short log shows it weakly: passed over, its sigmas would be several
-/// times too small; from few residuals taken for correlated, several times too large. Between the two the
-/// covariance goes from the one to the other.
+/// Probability, for all sums together, from which residuals pass as white, and below which they do not. Real
+/// errors are hardly ever white, and a short log shows this only weakly. Ignored correlation makes sigmas
+/// several times too small, and correlation estimated from few residuals makes them several times too large.
+/// Between the two limits the covariance changes gradually.
 constexpr double kPassAsWhite = 1e-2, kFailAsWhite = 1e-4;
 constexpr std::size_t kTestPanels = 3;   ///< sixteen draws each, of white noise in the test
 constexpr std::size_t kModelPanels = 6;  ///< draws of the fitted errors
@@ -64,7 +64,7 @@ class Estimator {
   /// Variances of the components, white noise first; after weight().
   void fit() {
     expect();
-    // The contribution of priors, poses and odometry to the residuals is used as stated.
+    // Priors, poses and odometry contribute to the residuals with their given sigmas.
     const Eigen::VectorXd word =
         simulated(kTestPanels,
                   [&](std::size_t panel, Lines& errors) { return white_noise(panel, errors, false); })
@@ -110,21 +110,21 @@ class Estimator {
  private:
   [[nodiscard]] Eigen::Index size() const { return components_.size(); }
 
-  /// Chance that white noise leaves so large a sum of squares. That is about a gamma variable of its
-  /// simulated mean and variance; as chi-square: x / scale on nu degrees.
+  /// Probability that white noise leaves such a large sum of squares, which is approximately a gamma variable
+  /// with its simulated mean and variance; as chi-square: x / scale with nu degrees of freedom.
   [[nodiscard]] double chance_of(Eigen::Index m, const Eigen::VectorXd& found) const {
     const double mean = tested_.row(m).mean(), variance = (tested_.row(m).array() - mean).square().mean();
     const bool bearings = components_[m].bearings;
     if (!(variance > 0) || mean < kLeastShare * static_cast<double>(components_.count(bearings)))
       return 1.0;  // absorbed by the parameters
     const Eigen::Index white = components_.white_of(bearings);
-    const double level = found[white] / tested_.row(white).mean();  // the noise as it is
+    const double level = found[white] / tested_.row(white).mean();  // actual level of the noise
     const double nu = 2 * mean * mean / variance;
     return found[m] > level * mean ? chi_square_p(nu * found[m] / (level * mean), nu) : 1.0;
   }
 
-  /// Draws of errors that are all as stated.
-  /// @param all  or only of priors, poses and odometry: the same draws
+  /// Draws of errors with the given sigmas.
+  /// @param all  false: only priors, poses and odometry, with the same draws
   Lines white_noise(std::size_t panel, Lines& errors, bool all) const {
     DrawBits random(1000 + panel);
     for (DrawLine& line : errors) random.normal(line);
@@ -134,7 +134,7 @@ class Estimator {
     return draws_.of_priors(2000 + panel);
   }
 
-  /// Draws with the estimated variances, all others as stated.
+  /// Draws with the estimated variances, and with the given sigmas for everything else.
   Lines fitted_errors(std::size_t panel, Lines& errors) const {
     DrawBits random(3000 + panel);
     for (std::size_t i = 0; i < errors.size(); ++i)
@@ -151,7 +151,7 @@ class Estimator {
     ErrorDraws::Scratch adjusting;
     ErrorComponents::Scratch summing;
   };
-  /// Calls work(panel, scratch) for each.
+  /// Calls work(panel, scratch) for each panel.
   template <class Work>
   void for_each_panel(std::size_t panels, Work&& work) const {
     const std::size_t workers = std::min(panels, static_cast<std::size_t>(std::max(threads_, 1)));
@@ -214,7 +214,8 @@ class Estimator {
       cells[m] = static_cast<double>(components_.cells_of(m));
       const double left = drawn.squares.segment(m * width, width).mean() /
                           static_cast<double>(components_.count(components_[m].bearings));
-      if (components_[m].is_white() || left >= kLeastShare) kept.push_back(m);  // else parameters absorb it
+      // Otherwise parameters absorb it
+      if (components_[m].is_white() || left >= kLeastShare) kept.push_back(m);
     }
     const Eigen::ArrayXXd finer =
         (cells.cwiseInverse() * cells.transpose()).array().square();  // column to row
@@ -251,7 +252,7 @@ class Estimator {
     return influence;
   }
 
-  /// The sandwich, and each parameter's growth by what is not known of the variances.
+  /// The sandwich, with the growth of each parameter's variance due to the uncertainty of theta.
   [[nodiscard]] Eigen::MatrixXd covariance(double& freedoms) const {
     const Eigen::Index rank = sample_.F.cols(), p = sample_.L.rows();
     const double per_sample = 1.0 / std::max(sample_.share, 1e-9);

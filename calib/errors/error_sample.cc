@@ -17,10 +17,10 @@ namespace octant::calib {
 namespace {
 
 constexpr std::size_t kStretches = 8;  ///< number of segments of a long log
-/// A drive is cut where the sample is at most this part: cuts cost what states know of each other.
+/// Share of the sample up to which a drive is cut; cuts lose the information between states.
 constexpr double kShareOfLongDrive = 0.1;
 
-/// Eliminates the states of a segment, plain squares. @return the coordinate at which each state begins
+/// Eliminates the states of a segment under least squares. @return the first coordinate of each state
 std::vector<std::uint32_t> add_chain(const Trajectory& t, const Segment& segment, const SharedState& state,
                                      StateChains& chains) {
   ChainSystem system;
@@ -109,8 +109,8 @@ class SampleBuilder {
   }
 
   void add_segments(const Trajectory& t, std::size_t first, std::size_t last) {
-    const std::size_t rows = sample_.rows.size() + most_rows(t, first, last);  // the most of a sample
-    if (rows > static_cast<std::size_t>(sample_.F.rows())) {  // many small stretches: few times
+    const std::size_t rows = sample_.rows.size() + most_rows(t, first, last);  // largest size of a sample
+    if (rows > static_cast<std::size_t>(sample_.F.rows())) {                   // rare: many small segments
       const std::size_t room = std::max(rows, sample_.rows.size() * 3 / 2);
       sample_.rows.reserve(room);
       sample_.F.conservativeResize(static_cast<Eigen::Index>(room), sample_.L.cols());

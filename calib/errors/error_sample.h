@@ -23,7 +23,7 @@ struct ErrorSample {
     kArrival,
     kBearing,
     kOther
-  };  ///< other: amplitudes, poses, odometry, motion; used as stated
+  };  ///< other: amplitudes, poses, odometry, motion; used with their given sigmas
   struct Row {
     Kind kind = Kind::kArrival;
     std::size_t run = 0;
@@ -42,7 +42,8 @@ struct ErrorSample {
   double share = 1.0;        ///< fraction of all arrivals and bearings in the sample
 
   Eigen::MatrixXd
-      prior_root;  ///< K K' = I - F'F: covariance of what priors, tapes and all that is no row add to F'e
+      /// K K' = I - F'F: covariance of the contribution of priors, tapes and other terms without a row to F'e
+      prior_root;
 
   StateTaps J;  ///< derivatives by the states of the vehicle
   StateChains chains;

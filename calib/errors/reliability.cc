@@ -17,7 +17,7 @@
 namespace octant::calib {
 namespace {
 
-/// Less than this share of a beacon's lateness in the residuals is rounding.
+/// Share of a beacon's lateness in the residuals below which it is rounding error.
 constexpr double kUnnoticed = 1e-9;
 constexpr std::size_t kTimeBins = 16;  // drifts are slow, but a door that opens is not
 
@@ -128,7 +128,8 @@ class Collector {
     std::vector<double> mdb_s, influence_m;
   };
 
-  /// A vector that doubles holds three times its content for a moment, and these are a long log's largest.
+  /// Reserves memory, because a growing vector temporarily needs three times its size and these are the
+  /// largest of a long log.
   void make_room(std::size_t rows) {
     for (auto* all : {&by_beacon_, &by_receiver_, &by_distance_, &by_incidence_, &by_time_})
       all->reserve(all->size() + rows);
@@ -182,7 +183,7 @@ class Collector {
     out_.arrivals.push_back(s);
   }
 
-  /// @param path  from receiver to beacon, in the map
+  /// @param path  vector from receiver to beacon, in the map
   [[nodiscard]] double incidence_rad(const Eigen::Vector3d& path, const Pose& T_map_vehicle,
                                      ReceiverId receiver) const {
     const auto& axis = problem_.site.receivers[receiver.index()].axis;
@@ -191,7 +192,7 @@ class Collector {
     return std::atan2(a.cross(path).norm(), a.dot(path));
   }
 
-  /// Used arrivals over sampled ones.
+  /// Ratio of used to sampled arrivals.
   [[nodiscard]] double sampled_share() const {
     if (out_.stride == 1 || kinds_[kTof].observations == 0) return 1.0;
     std::size_t used = log_ == nullptr ? 0 : log_->used();
@@ -201,9 +202,9 @@ class Collector {
     return static_cast<double>(used) / static_cast<double>(kinds_[kTof].observations);
   }
 
-  /// A lateness acts as the beacon's delay does, of which data and priors together hold N e = N_data e + p e,
-  /// p of its prior. With C N e = e it moves the parameters by C N_data e = e - p C e, and of N_data the
-  /// residuals keep p - p^2 C_dd: what the prior contradicts.
+  /// A lateness acts like the beacon's delay. Data and prior together give N e = N_data e + p e, with p the
+  /// information of its prior. With C N e = e it moves the parameters by C N_data e = e - p C e. The
+  /// residuals retain p - p^2 C_dd, the part that the prior contradicts.
   [[nodiscard]] std::vector<LatenessInformation> lateness_by_delays() const {
     constexpr std::size_t kAtOnce = 64;
     std::vector<LatenessInformation> late(layout_.beacon.size());
@@ -217,7 +218,8 @@ class Collector {
         LatenessInformation& of_beacon = late[static_cast<std::size_t>(beacons[k])];
         of_beacon.remaining = per_s * per_s * p * (1.0 - share);
         of_beacon.total =
-            share > 0 ? per_s * per_s * p / share : 0.0;  // data and prior together, all else eliminated
+            // Data and prior together, with all other parameters eliminated
+            share > 0 ? per_s * per_s * p / share : 0.0;
         for (const int c : layout_.beacon_columns())
           of_beacon.shift_m_per_s = std::max(of_beacon.shift_m_per_s, per_s * p * std::abs(by_delay[c]));
       }
@@ -242,7 +244,7 @@ class Collector {
   /// Priors of single parameters, and taped distances.
   void shared_observations() {
     const std::vector<PriorRow> rows = prior_rows(problem_, layout_, layout_.vector_of(state_));
-    const std::size_t distances = layout_.parameters.size();  // behind the priors
+    const std::size_t distances = layout_.parameters.size();  // rows after the priors
     for (std::size_t i = 0; i < distances + problem_.site.distances.size(); ++i)
       if (i >= distances || std::isfinite(layout_.parameters[i].prior_sigma))
         kinds_[i < distances ? kPrior : kDistance].add(

@@ -28,60 +28,60 @@ inline constexpr double kUncontrolled = 1e-6;
 inline constexpr double kEllipse95 = 2.4477;
 inline constexpr double kEllipsoid95 = 2.7955;
 
-/// One used arrival in the eyes of the others (Baarda 1968, A testing procedure for use in geodetic
+/// Reliability of one used arrival, given the others (Baarda 1968, A testing procedure for use in geodetic
 /// networks).
 struct ArrivalReliability {
   std::size_t run = 0;      ///< index into Problem::runs
   std::size_t arrival = 0;  ///< index into MeasurementLog::arrivals
   BeaconId beacon;
   ReceiverId receiver;
-  double residual_s = 0.0;   ///< observed less adjusted; positive: late
+  double residual_s = 0.0;   ///< observed minus adjusted; positive: late
   double redundancy = 0.0;   ///< r: share of its error that shows in its own residual, 0..1
-  bool controlled = false;   ///< r above kUncontrolled; what follows is zero otherwise
+  bool controlled = false;   ///< r above kUncontrolled; otherwise the following fields are zero
   double w = 0.0;            ///< residual / (sigma sqrt(r)), standard normal without biases
   double mdb_s = 0.0;        ///< minimal detectable bias sigma kDelta0 / sqrt(r)
-  double mdb_m = 0.0;        ///< the same as a range
+  double mdb_m = 0.0;        ///< mdb_s as a range
   double influence_m = 0.0;  ///< largest shift of a beacon coordinate by an undetected bias of that size
 };
 
-/// Sum of squares against its redundancy: a variance factor of a part of the observations, one-step estimate
-/// after Foerstner (1979): v'Pv / sum of r. A part that is noisier than stated in the company of others that
-/// are not comes out somewhat too small.
+/// Variance factor of a part of the observations: sum of squares divided by redundancy, one-step estimate
+/// after Foerstner (1979): v'Pv / sum of r. For a part that is noisier than expected, if others are not, it
+/// is somewhat too small.
 struct VarianceComponent {
   std::string name;
   std::size_t observations = 0;
   double redundancy = 0.0;       ///< sum of r
-  std::optional<double> factor;  ///< of the stated variance; none where the redundancy is below 1
+  std::optional<double> factor;  ///< ratio to the given variance; no value if the redundancy is below 1
   std::optional<double> chi2_p;  ///< two-sided
 };
 
-/// Half axes that hold the true place in 95 of 100 cases.
+/// Half axes of the region with the true position in 95 of 100 cases.
 struct ErrorEllipse {
   double semi_major_m = 0.0, semi_minor_m = 0.0;  ///< horizontal, factor 2.45
-  double azimuth_rad = 0.0;  ///< of the major axis, counter-clockwise from map +x, (-pi/2, pi/2]
+  double azimuth_rad = 0.0;  ///< direction of the major axis, counter-clockwise from map +x, (-pi/2, pi/2]
   std::array<double, 3> semi_axes_m = {0, 0, 0};  ///< in space, largest first, factor 2.80
 };
 
 struct BeaconReliability {
   std::string name;
-  std::size_t used = 0, late = 0, early = 0, other = 0;  ///< arrivals; late, early, other: left out
+  /// Numbers of arrivals; late, early, other: rejected
+  std::size_t used = 0, late = 0, early = 0, other = 0;
   std::size_t uncontrolled = 0;
   double mean_redundancy = 0.0;
-  double rms_s = 0.0, mean_s = 0.0;  ///< of the residuals of used arrivals
+  double rms_s = 0.0, mean_s = 0.0;  ///< statistics of the residuals of used arrivals
   VarianceComponent component;
-  std::optional<double> mdb_median_s, mdb_worst_s;  ///< of single arrivals that are controlled
+  std::optional<double> mdb_median_s, mdb_worst_s;  ///< detectable biases of single controlled arrivals
   std::optional<double> influence_median_m, influence_worst_m;
-  /// All its arrivals late by the same: smallest lateness that the adjustment would notice (a free delay
-  /// takes it up: then it is the delay's prior that notices), and the largest shift of a beacon coordinate by
-  /// it. None: nothing would notice.
+  /// For an equal lateness of all its arrivals: smallest detectable value (if a free delay absorbs it, by the
+  /// delay's prior), and the largest shift of a beacon coordinate by it. No value if it is not detectable.
   std::optional<double> lateness_mdb_s, lateness_influence_m;
   std::optional<ErrorEllipse> ellipse;  ///< no value for control points and undetermined beacons
 };
 
-/// What a surveyor expects of an adjustment, beside the variance factor. Sigmas are the noise as found
-/// (Solution::tof_sigma_s); variance components are told against the noise that the site file states.
+/// Reliability of an adjustment as surveyors report it, in addition to the variance factor. Sigmas use the
+/// estimated noise (Solution::tof_sigma_s); variance components are relative to the noise in the site file.
 struct Reliability {
-  bool ok = false;  ///< false: there is no covariance to judge by
+  bool ok = false;  ///< false without a covariance
   /// Sampling interval of epochs in a long log for statistics of single arrivals (redundancy numbers, w,
   /// minimal detectable biases, residual groups, variance components); 1: all epochs.
   std::size_t stride = 1;
@@ -89,27 +89,27 @@ struct Reliability {
   std::vector<std::size_t> worst;   ///< indices into arrivals, largest |w| first, at most kWorst
   std::size_t beyond_critical = 0;  ///< |w| > kCriticalW
   double mean_redundancy = 0.0;     ///< of arrivals
-  /// Sum of all redundancy numbers, priors and control distances included: observations less the unknowns
+  /// Sum of all redundancy numbers, including priors and control distances: observations minus the unknowns
   /// that they determine.
   double redundancy_sum = 0.0;
   std::vector<BeaconReliability> beacons;  ///< order of the site
   std::vector<VarianceComponent>
       kinds;  ///< tof, amplitude, bearing, odometry, pose, prior, control_distance; those present
   std::vector<ResidualGroup> by_beacon, by_receiver, by_distance, by_temperature;
-  /// Angle at the receiver, off its axis where the site gives one; else of the path off the vertical.
+  /// Angle at the receiver from its axis, or if the site has no axis, of the path from the vertical.
   std::vector<ResidualGroup> by_incidence;
   std::vector<ResidualGroup> by_time;  ///< since the start of the recording
 };
 inline constexpr std::size_t kWorst = 10;
-/// Enough for any mean, and the time is then the adjustment's.
+/// Number of epochs that suffices for means, with a time similar to the adjustment's.
 inline constexpr std::size_t kAllEpochs = 6000;
 
-/// @param all_epochs    of more epochs than these only every so many-th is looked at
-/// @param whole         where the trajectories are only a part of the log: counts of all of it
+/// @param all_epochs    number of epochs up to which all are used; otherwise an even sample
+/// @param whole         counts of the complete log, if the trajectories are only a part of it
 /// @param trajectories  solved at the solution's state, arrivals marked used or rejected
 /// @param state         adjusted shared parameters
 /// @param C             joint covariance of the layout's parameters
-/// @param noise_factor  noise of the arrivals as found over the stated one
+/// @param noise_factor  ratio of the estimated noise of the arrivals to that of the site file
 [[nodiscard]] Reliability reliability_of(const Problem& problem, const ParameterLayout& layout,
                                          const std::vector<Trajectory>& trajectories,
                                          const SharedState& state, const Covariance& C,

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kFewest = 20;
 
-/// Sums until finish() makes means of them.
+/// Accumulates sums, which finish() converts to means.
 void add(ResidualGroup& group, const GroupedResidual& r) {
   const double m = r.residual_s * r.speed_mps;
   ++group.count;

@@ -21,7 +21,7 @@ struct ResidualGroup {
 struct GroupedResidual {
   double key = 0.0;  ///< index of a name, or the quantity that is binned
   double residual_s = 0.0;
-  double speed_mps = 0.0;  ///< turns it into a range
+  double speed_mps = 0.0;  ///< converts it to a range
 };
 
 /// One group for each name, empty ones included.
@@ -29,7 +29,7 @@ struct GroupedResidual {
                                                         const std::vector<std::string>& names);
 
 /// Bins of equal counts (equal keys stay together), ascending.
-/// @param bins  at most; fewer where there are not 20 residuals for each
+/// @param bins  maximum number of bins; fewer if there are not 20 residuals for each
 [[nodiscard]] std::vector<ResidualGroup> groups_by_quantity(std::vector<GroupedResidual> residuals,
                                                             std::size_t bins = 8);
 

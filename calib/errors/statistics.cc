@@ -42,7 +42,7 @@ namespace {
 /// A heading with a sigma of more than a whole turn is not determined: it needs no redundancy.
 constexpr double kBlindRad = 2 * std::numbers::pi;
 
-/// A measured pose, angles and all.
+/// Returns true if a measured pose includes all angles.
 bool is_complete(const Trajectory& t, const PoseObservation& p) {
   return std::isfinite(p.position_sigma_m) && p.heading_sigma_rad < kBlindRad &&
          (t.motion == Motion::kPlanar || p.attitude_sigma_rad < kBlindRad);
@@ -76,8 +76,8 @@ std::size_t rank_of(const Eigen::MatrixXd& A) {
   return static_cast<std::size_t>((values.array() > kUnobserved).count());
 }
 
-/// Directions of a lone state that are observed. Angles are counted by what is left of their information when
-/// all else is open.
+/// Number of observed directions of a separate state. Angles are counted by the information that remains when
+/// everything else is free.
 std::size_t observed_directions(const Trajectory& t, const Segment& segment, const SharedState& state) {
   ChainSystem system;
   build_chain_system(t, segment, state, RobustLoss{}, system);
@@ -184,7 +184,8 @@ CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayou
   s.unknowns = static_cast<std::size_t>(layout.size()) + counts.states;
   s.redundancy = counts.observations - static_cast<double>(s.unknowns);
   s.variance_factor =
-      s.redundancy > 0 ? 2 * std::max(0.0, cost) / s.redundancy : 1.0;  // a cost of nothing rounds
+      // A cost of zero may be negative by rounding
+      s.redundancy > 0 ? 2 * std::max(0.0, cost) / s.redundancy : 1.0;
   s.chi2_p = chi_square_p(2 * cost, s.redundancy);
   s.rms_s = s.arrivals > 0 ? std::sqrt(counts.squares_s2 / static_cast<double>(s.arrivals)) : 0.0;
   return s;
@@ -205,7 +206,7 @@ NoiseFactors NoiseSearch::step(const DataSquares& data) {
   const bool are_better = poses.redundancy >= kFewest && redundancy >= kFewest && squares > 0 &&
                           poses.squares / poses.redundancy < 1 - kSigmas * std::sqrt(2 / poses.redundancy);
   if (!are_better) return {.arrivals = step_of_arrivals(data.cost, data.redundancy)};
-  variance_before_.reset();  // of other poses
+  variance_before_.reset();  // belongs to another weight of the poses
   NoiseFactors factors{std::sqrt(squares / redundancy),
                        std::max(kLeast, std::sqrt(poses.squares / poses.redundancy))};
   factor_ *= factors.arrivals;
@@ -213,7 +214,8 @@ NoiseFactors NoiseSearch::step(const DataSquares& data) {
 }
 
 double NoiseSearch::step_of_arrivals(double data_cost, double redundancy) {
-  constexpr double kNoiseMatters = 0.02;  // less is seen by the test, but of no consequence for any sigma
+  // Smaller factors may be significant but are irrelevant for any sigma
+  constexpr double kNoiseMatters = 0.02;
   constexpr double kApart = 0.05, kLongest = 6.0;
   const double variance = 2 * data_cost / redundancy;
   if (!(redundancy >= 30) || !(data_cost > 0) || chi_square_p(2 * data_cost, redundancy) > 0.01) return 1.0;
@@ -223,7 +225,7 @@ double NoiseSearch::step_of_arrivals(double data_cost, double redundancy) {
   const double weight = 1 / (factor_ * factor_), weight_before = 1 / (before_ * before_);
   if (variance_before_ && std::abs(weight - weight_before) > kApart * weight) {
     const double b = (variance - *variance_before_) / (weight - weight_before), a = variance - b * weight;
-    // Never less than the plain step, as a is positive, and not far beyond the two points.
+    // Never less than the plain step, because a is positive, and not far beyond the two points.
     const double farthest = std::pow(plain, kLongest);
     if (b > 0 && a < 1)
       multiply =

@@ -18,18 +18,18 @@ struct PoseSquares {
     redundancy += other.redundancy;
   }
 };
-/// Costs a sweep over the states: where the noise is looked for, and nowhere else.
+/// Needs a pass over the states, so it is computed only where the noise is estimated.
 [[nodiscard]] PoseSquares squares_of_poses(const Trajectory& trajectory, const SharedState& state);
 
 /// Reference of a sum of squares: counts that can be added over the parts of a log.
 struct ObservationCounts {
   std::size_t used = 0, rejected = 0;  ///< arrivals
   double observations = 0.0;           ///< used observations of all kinds
-  std::size_t states = 0;              ///< unknowns of the vehicle's states, as far as anything observes them
+  std::size_t states = 0;              ///< observable unknowns of the vehicle's states
   double squares_s2 = 0.0;             ///< sum of squares of the residuals of used arrivals
   void add(const ObservationCounts& other);
 };
-/// @param residuals  false: squares_s2 stays zero, which saves the time
+/// @param residuals  if false, squares_s2 remains zero, which saves time
 [[nodiscard]] ObservationCounts count_observations(const Trajectory& trajectory, const SharedState& state,
                                                    int threads = 1, bool residuals = true);
 
@@ -49,45 +49,45 @@ struct ObservationCounts {
 /// Result of an adjustment for NoiseSearch. A contradicted prior is not noise of the arrivals, so only
 /// recordings count.
 struct DataSquares {
-  double cost = 0.0;  ///< half their sum, with the noise as it is now
+  double cost = 0.0;  ///< half their sum, with the current noise
   double redundancy = 0.0;
-  PoseSquares poses = {};  ///< the part of both that they have
+  PoseSquares poses = {};  ///< their part of both
 };
 
-/// By what noise is multiplied.
+/// Factors on the noise.
 struct NoiseFactors {
   double arrivals = 1.0;
-  double poses = 1.0;  ///< measured ones
+  double poses = 1.0;  ///< measured poses
   [[nodiscard]] bool are_one() const { return arrivals == 1.0 && poses == 1.0; }
 };
 
-/// The noise of the arrivals by the squares: it is multiplied until these agree with their redundancy, an
-/// adjustment for each step. Where arrivals are all that is observed, the variance factor falls as 1 / f^2
-/// with the noise, and one step does. Odometry, whose noise stays as stated, and measured poses keep a part
-/// of it whatever f is: steps then follow a + b / f^2 through the last two adjustments.
+/// Estimates the noise of the arrivals: it is scaled until the squares agree with the redundancy, with one
+/// adjustment for each step. If there are only arrivals, the variance factor is proportional to 1 / f^2 for a
+/// noise factor f, and one step suffices. Odometry, whose noise is fixed, and measured poses keep a part that
+/// does not depend on f: steps then follow a + b / f^2 through the last two adjustments.
 ///
-/// Poses that were measured better than stated would drag the noise of the arrivals towards nothing, which
-/// then explains all. They get a component of variance of their own: each of the two is multiplied by its
-/// squares over its redundancy (Foerstner 1979), which keeps their ratio where the data cannot tell them
-/// apart. Poses that seem worse than stated are left: what receivers have in common looks the same.
+/// Poses that are more accurate than expected would reduce the noise of the arrivals without bound. They get
+/// their own variance component: each of the two is multiplied by the ratio of its squares to its redundancy
+/// (Foerstner 1979), which keeps their ratio if the data do not distinguish them. Poses that appear less
+/// accurate than expected are not scaled, because common errors of the receivers look the same.
 class NoiseSearch {
  public:
-  /// @return ones where squares and redundancy agree, or where that is of no consequence
+  /// @return ones if squares and redundancy agree, or if the difference is irrelevant
   [[nodiscard]] NoiseFactors step(const DataSquares& data);
 
  private:
   [[nodiscard]] double step_of_arrivals(double data_cost, double redundancy);
 
   double factor_ = 1.0;                    ///< factor of all steps so far
-  double before_ = 1.0;                    ///< factor_ a step ago
+  double before_ = 1.0;                    ///< factor_ before the last step
   std::optional<double> variance_before_;  ///< variance factor then
 };
 
-/// Adjusts with the noise as the squares show it: small departures wait for the chi-square test of an
-/// adjustment, and each one that it finds is followed by another adjustment.
-/// @param adjust  gives DataSquares, or the failure that ends the search
-/// @param scale_noise  takes NoiseFactors
-/// @return what `adjust` gave last
+/// Adjusts, and scales the noise by the squares. Small deviations are ignored unless the chi-square test is
+/// significant; each scaling is followed by another adjustment.
+/// @param adjust  returns DataSquares, or the failure that ends the search
+/// @param scale_noise  receives NoiseFactors
+/// @return the last result of `adjust`
 template <class Adjust, class ScaleNoise>
 auto adjust_and_scale_noise(Adjust&& adjust, ScaleNoise&& scale_noise) {
   constexpr int kNoiseRounds = 3, kPoseRounds = 6;

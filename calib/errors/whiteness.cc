@@ -16,9 +16,9 @@ constexpr double kSignificance = 1e-6;
 constexpr double kPairMatters = 2.0;  ///< twice the variance of white noise
 constexpr double kCorrelationMatters = 0.2;
 
-/// Sums over the residuals of one pair of a trajectory, in the order of time.
+/// Sums over the residuals of one pair of a trajectory, in order of time.
 struct PairSeries {
-  double sum = 0.0, squares = 0.0, products = 0.0;  ///< products: of neighbours
+  double sum = 0.0, squares = 0.0, products = 0.0;  ///< products: sum over neighbours
   double last = 0.0;
   std::size_t count = 0;
   void add(double residual) {

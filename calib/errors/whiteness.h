@@ -17,10 +17,10 @@ struct Whiteness {
   double autocorrelation =
       0.0;                     ///< correlation of residuals that are neighbours in time within a pair, pooled
   std::size_t neighbours = 0;  ///< number of such neighbours
-  /// Factor by which formal sigmas of what is averaged over a drive are too small: sqrt((1 + rho) / (1 -
-  /// rho)), at least 1.
+  /// Factor by which formal sigmas of averages over a drive are too small: sqrt((1 + rho) / (1 - rho)), at
+  /// least 1.
   double sigma_factor = 1.0;
-  bool white = true;  ///< neither is significant (beyond one in a million) and of consequence
+  bool white = true;  ///< false if one is significant (one in a million) and relevant
 };
 
 [[nodiscard]] Whiteness whiteness_of(const std::vector<Trajectory>& trajectories, const SharedState& state,
