@@ -11,7 +11,7 @@
 
 namespace octant::calib {
 
-/// Processor time of the calling thread [s]: on a loaded machine a budget allows for the same work.
+/// Processor time of the calling thread [s], so that a budget permits the same work on a loaded machine.
 [[nodiscard]] inline double thread_time_s() {
   std::timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -23,11 +23,11 @@ namespace octant::calib {
 /// scope.
 class DiagnosisBudget {
  public:
-  /// Options and diagnosis outlive it.
-  /// @param share  of the whole time that all steps up to the end of this one may take
+  /// Options and diagnosis must outlive it.
+  /// @param share  share of the whole time for all steps up to the end of this one
   DiagnosisBudget(const SolveOptions& options, Diagnosis& diagnosis, double share)
       : diagnosis_(diagnosis), options_(options), share_(share) {
-    options_.ranks = nullptr;  // every rank diagnoses on its own
+    options_.ranks = nullptr;  // each rank diagnoses by itself
     options_.on_progress = [this, &options](const Progress&) {
       const bool goes_on =
           left_s() > 0 && (!options.on_progress ||
@@ -40,7 +40,7 @@ class DiagnosisBudget {
   DiagnosisBudget(const DiagnosisBudget&) = delete;
   DiagnosisBudget& operator=(const DiagnosisBudget&) = delete;
 
-  /// Options whose progress ends adjustments when the time is spent.
+  /// Options whose progress function ends adjustments when the time is over.
   [[nodiscard]] const SolveOptions& options() const { return options_; }
 
  private:
@@ -57,9 +57,9 @@ class DiagnosisBudget {
   double began_s_ = thread_time_s();
 };
 
-/// Runs one step of the diagnosis of a complete solution: work(options). A fault of the diagnosis leaves the
-/// solution as it is.
-/// @param share  of the whole time that all steps up to the end of this one may take
+/// Runs one step of the diagnosis of a complete solution: work(options). A failure of the diagnosis leaves
+/// the solution unchanged.
+/// @param share  share of the whole time for all steps up to the end of this one
 template <class Work>
 void diagnose_within_budget(const SolveOptions& options, Solution& solution, double share, Work&& work) {
   const DiagnosisBudget budget(options, solution.diagnosis, share);

@@ -15,17 +15,17 @@ struct Progress {
   std::string stage;
   int iteration = 0;
   double cost = 0.0;
-  double fraction = 0.0;  ///< 0..1 of the whole, an estimate
+  double fraction = 0.0;  ///< estimated fraction of the whole, 0..1
 };
 
 struct SolveOptions {
   int threads = 1;
-  const Ranks* ranks =
-      nullptr;               ///< processes that solve this together, all given the same problem; not owned
-  int max_iterations = 100;  ///< of each stage; the last, which comes to rest, may take four times as many
-  double rejection_sigmas = 4.0;  ///< arrivals beyond this many sigmas are left out in the end
-  int dense_limit = kDenseLimit;  ///< beyond so many shared parameters matrices are sparse
-  bool strict = false;            ///< a single undetermined beacon refuses the whole
+  const Ranks* ranks = nullptr;  ///< processes that solve the same problem together; not owned
+  /// Iterations of each stage; the last one, which converges, may take four times as many
+  int max_iterations = 100;
+  double rejection_sigmas = 4.0;  ///< arrivals beyond this number of sigmas are rejected at the end
+  int dense_limit = kDenseLimit;  ///< number of shared parameters beyond which matrices are sparse
+  bool strict = false;            ///< a single undetermined beacon refuses the calibration
   /// Processor time of a diagnosis beyond three times that of the fit [s]. Infinite: all hypotheses are
   /// examined, and the findings do not depend on the speed of the machine.
   double diagnosis_s = 10.0;
@@ -33,7 +33,7 @@ struct SolveOptions {
   std::function<bool(const Progress&)> on_progress = {};
 
   [[nodiscard]] Workers workers() const { return {threads, ranks}; }
-  /// Whether the caller wants no more work.
+  /// Returns true if the caller requests an end.
   [[nodiscard]] bool is_stopped() const { return on_progress && !on_progress({}); }
 };
 

@@ -10,7 +10,7 @@
 
 namespace octant::calib {
 
-/// Look-up in a solution's joint covariance, or in its marginals where there is none, by parameters; SI
+/// Access by parameters to a solution's joint covariance, or to its marginals if there is no joint one; SI
 /// units.
 class Variances {
  public:
@@ -19,23 +19,23 @@ class Variances {
   /// @param covariance  not owned
   explicit Variances(const JointCovariance& covariance);
 
-  /// Whether a parameter was free.
+  /// Returns true if a parameter was free.
   [[nodiscard]] bool has(const ParameterId& id) const { return index_[id] >= 0; }
-  /// 0 where one was held, or the pair is not told.
+  /// 0 if one was fixed, or if the pair has no element.
   [[nodiscard]] double covariance(const ParameterId& a, const ParameterId& b) const;
   [[nodiscard]] double sigma(const ParameterId& a) const {
     return std::sqrt(std::max(0.0, covariance(a, a)));
   }
-  /// Of the coordinates of a beacon.
+  /// Sigmas of the coordinates of a beacon.
   [[nodiscard]] Eigen::Vector3d beacon_sigma_m(std::size_t beacon) const;
 
  private:
   const JointCovariance* joint_;
-  const MarginalCovariance* marginals_ = nullptr;  ///< where there is no joint covariance
+  const MarginalCovariance* marginals_ = nullptr;  ///< used without a joint covariance
   ParameterIndex index_;
 };
 
-/// Sigmas of a beacon's coordinates as if errors were white; none where the stated ones are that.
+/// Sigmas of a beacon's coordinates under white errors; no value if its main ones are those.
 [[nodiscard]] std::optional<Eigen::Vector3d> white_sigma_m(const Solution& solution, std::size_t beacon);
 
 }  // namespace octant::calib
