@@ -38,7 +38,7 @@ constexpr std::array<std::pair<int, speed_t>, 10> kSpeeds = {{{4800, B4800},
                                                               {921600, B921600},
                                                               {1000000, B1000000}}};
 
-/// Bytes as they come, at that speed (0: as the device is set).
+/// Configures raw bytes at this speed (0: speed of the device).
 bool make_raw(int fd, int baud) {
   termios settings{};
   if (tcgetattr(fd, &settings) != 0) return false;
@@ -99,7 +99,7 @@ Result<ByteSource> ByteSource::open_port(const std::string& where) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port));
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);  // nobody but this machine
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);  // only this machine
   socklen_t size = sizeof address;
   if (bind(fd, reinterpret_cast<const sockaddr*>(&address), size) != 0 || (tcp && listen(fd, 1) != 0) ||
       getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) != 0)

@@ -10,9 +10,9 @@
 
 namespace octant::app {
 
-/// Where the lines of `octant localize --follow` come from: standard input, a serial device (or a pipe) by
-/// its path, or this machine's own TCP or UDP port. Whoever sends over TCP may go and come again, one at a
-/// time. Nobody is read ahead of what is worked on, so that a fast sender waits.
+/// Source of the lines for `octant localize --follow`: standard input, a serial device or a pipe by its path,
+/// or a TCP or UDP port of this machine. TCP senders may disconnect and reconnect, one at a time. Input is
+/// read only as it is processed, so that a fast sender waits.
 class ByteSource {
  public:
   /// @param where  "-", "/dev/ttyUSB0" or "/dev/ttyUSB0:115200", "tcp:7070", "udp:7070" (127.0.0.1)
@@ -22,11 +22,11 @@ class ByteSource {
   ByteSource& operator=(ByteSource&&) = delete;
 
   enum class Event {
-    kBytes,   ///< in bytes()
-    kQuiet,   ///< nothing came within the time
-    kBreak,   ///< a sender is gone, or a datagram has ended: a line that was begun is over
-    kEnd,     ///< nothing will come any more
-    kFailed,  ///< the same, with errno's reason in why()
+    kBytes,   ///< data are in bytes()
+    kQuiet,   ///< no input within the time
+    kBreak,   ///< a sender disconnected, or a datagram ended: an incomplete line is over
+    kEnd,     ///< end of the input
+    kFailed,  ///< end by an error; why() has the reason from errno
   };
   [[nodiscard]] Event wait(int timeout_ms);
   [[nodiscard]] std::string_view bytes() const { return {buffer_.data(), size_}; }
@@ -43,8 +43,8 @@ class ByteSource {
   [[nodiscard]] Event read_bytes();
 
   Kind kind_;
-  int fd_;           ///< what is read, or listened to
-  int sender_ = -1;  ///< of TCP: the connection
+  int fd_;           ///< file or socket that is read or listened to
+  int sender_ = -1;  ///< TCP connection
   bool datagram_ended_ = false;
   std::size_t size_ = 0;
   std::vector<char> buffer_;

@@ -29,14 +29,14 @@
 namespace octant::app {
 namespace {
 
-constexpr int kQuiet_ms = 50;         ///< after which a pose that is open counts as complete
-constexpr int kQuietEpoch_ms = 2000;  ///< the same of an epoch: beacons take turns
+constexpr int kQuiet_ms = 50;         ///< quiet time after which an open pose is complete
+constexpr int kQuietEpoch_ms = 2000;  ///< quiet time for an epoch, in which beacons send in turn
 
 volatile std::sig_atomic_t hangups = 0;
 extern "C" void on_hangup(int) { hangups = hangups + 1; }
 
-/// What was wrong with lines, and how often. Kinds are counted one by one up to a number, so that no stream
-/// of rubbish fills the memory.
+/// Kinds of bad lines and their counts. The number of kinds is limited, so that bad input does not fill the
+/// memory.
 class BadLines {
  public:
   void add(const std::string& what, std::size_t line, Session& session) {
@@ -54,7 +54,7 @@ class BadLines {
   std::map<std::string, std::size_t> kinds_;
 };
 
-/// Everything that one deployment needs.
+/// Objects that belong to one deployment.
 struct Engine {
   Engine(Deployment deployment, const FollowOptions& options)
       : names(names_of(deployment)),
@@ -167,7 +167,7 @@ class FollowLoop {
                     found.arrivals, found.offset_mps, found.sigma_mps));
   }
 
-  /// Says that rows are lost while it happens, each time their number has doubled.
+  /// Reports lost rows, each time their number has doubled.
   void report_drops() {
     const FollowCounts& c = engine_->follower.counts();
     if (c.late + c.dropped < next_drop_report_) return;
@@ -201,7 +201,7 @@ class FollowLoop {
     if (out_.size() > kMostWaiting) (void)write_out();
   }
 
-  /// Once: where the first rows have not given a single fix, what may be wrong with them.
+  /// If the first rows give no fix, reports possible causes, once.
   void doubt_what_came() {
     if (doubted_) return;
     doubted_ = true;
@@ -212,7 +212,7 @@ class FollowLoop {
     first_ = {};
   }
 
-  /// A reader that is slow makes us wait, and with us whoever sends.
+  /// Writes the output. A slow reader blocks it, and with it the sender.
   bool write_out() {
     std::string_view rest = out_;
     while (!rest.empty()) {
@@ -239,10 +239,10 @@ class FollowLoop {
   Session& session_;
   io::EarthOrigin origin_;
   std::unique_ptr<Engine> engine_;
-  std::size_t next_drop_report_ = 1;  ///< number of rows left out
+  std::size_t next_drop_report_ = 1;  ///< number of dropped rows for the next report
   io::LineCutter cutter_;
   BadLines bad_;
-  MeasurementLog first_;  ///< rows, until they have been looked at
+  MeasurementLog first_;  ///< first rows, until they have been checked
   bool doubted_ = false;
   std::size_t lines_ = 0;
   int quiet_ms_ = 0;
@@ -295,7 +295,7 @@ int follow(const FollowArgs& args, const std::string& deployment, const std::str
   ByteSource source = need(ByteSource::open(args.from));
   struct sigaction hangup = {}, pipe = {};
   hangup.sa_handler = on_hangup;
-  pipe.sa_handler = SIG_IGN;  // a reader that is gone is told by write
+  pipe.sa_handler = SIG_IGN;  // write() reports a closed reader
   sigemptyset(&hangup.sa_mask);
   sigemptyset(&pipe.sa_mask);
   sigaction(SIGHUP, &hangup, nullptr);

@@ -11,7 +11,7 @@
 
 namespace octant::app {
 
-/// The words of `octant localize --follow`.
+/// Arguments of `octant localize --follow`.
 struct FollowArgs {
   bool follow = false;
   std::string from = "-";       ///< ByteSource
@@ -19,14 +19,14 @@ struct FollowArgs {
   std::string origin;           ///< LAT,LON[,ALT] of the map's origin; nmea
   double north_deg = 90.0;      ///< direction of north in the map, counter-clockwise from +x
   bool watch = false;
-  double lateness_s = 0.2;  ///< rows may come in any order within it
-  std::string odometry;     ///< run.yaml, or a folder with one: how good the odometry is
+  double lateness_s = 0.2;  ///< rows may arrive in any order within this time
+  std::string odometry;     ///< run.yaml, or a folder with one, with the accuracy of the odometry
 };
 void add_follow_options(CLI::App& command, FollowArgs& args);
 
-/// Localizes what comes, until it ends or a signal says so: arrivals and odometry in as JSON lines, fixes out
-/// on standard output. Lines that say nothing sensible are counted and reported. SIGHUP reads the deployment
-/// anew; a bad one is reported, and the old one goes on.
+/// Localizes a live stream until it ends or a signal requests an end. Reads arrivals and odometry as JSON
+/// lines and writes fixes to standard output. Invalid lines are counted and reported. SIGHUP reads the
+/// deployment again; an invalid one is reported, and the previous one remains in use.
 int follow(const FollowArgs& args, const std::string& deployment, const std::string& trusted_key,
            Method method, Session& session);
 
