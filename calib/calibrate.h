@@ -18,7 +18,7 @@
 
 namespace octant::calib {
 
-/// Where a deployment came from.
+/// Provenance of a deployment.
 struct Provenance {
   std::string created;  ///< ISO 8601, UTC
   std::string version;
@@ -29,41 +29,39 @@ struct Provenance {
 /// The deployment of a solution with status kConverged.
 [[nodiscard]] Deployment make_deployment(const Problem& problem, const Solution& solution,
                                          const Provenance& provenance);
-/// What a deployment takes over from the site and from where it came, whatever the outcome: all but what was
-/// solved for.
+/// Fields of a deployment that follow from the site and the provenance for any outcome: all except the
+/// estimated ones.
 [[nodiscard]] Deployment deployment_head(const Site& site, const Solution& solution,
                                          const Provenance& provenance);
 
-/// All that came of a calibration, whatever the outcome.
+/// All results of a calibration, for any outcome.
 struct Calibration {
-  Problem problem;                       ///< site and recordings; of a streamed log those that were sampled
-  Solution solution;                     ///< estimate, errors, verdict, contradictions
-  std::vector<Finding> findings;         ///< what recordings and outcome show beside the contradictions
-  Provenance provenance;                 ///< that of the options, with the digests of the recordings
-  std::optional<Deployment> deployment;  ///< of a solution with status kConverged
+  Problem problem;                ///< site and recordings; for a streamed log the sampled ones
+  Solution solution;              ///< estimate, errors, verdict, contradictions
+  std::vector<Finding> findings;  ///< findings in recordings and outcome, in addition to the contradictions
+  Provenance provenance;          ///< provenance in the options, with the digests of the recordings
+  std::optional<Deployment> deployment;  ///< set if the status is kConverged
 };
 
 struct CalibrationOptions {
   SolveOptions solve;
   Provenance provenance;                                ///< without the recordings
-  std::size_t memory_bytes = std::size_t{1500} << 20U;  ///< bound of a log that is streamed
-  /// Called with each finding as soon as it is known, so that findings are known where an error ends the
-  /// calibration.
+  std::size_t memory_bytes = std::size_t{1500} << 20U;  ///< bound for a streamed log
+  /// Called immediately for each finding, so that findings are available if an error ends the calibration.
   std::function<void(const Finding&)> on_finding;
 };
 
-/// The product: health of the recordings, bundle adjustment, verdict, diagnosis, deployment. Command line,
-/// Python and C++ call it for recordings of all sizes and get the same words.
-///   1. log_hints(): what the recordings show before anything is solved,
-///   2. solve(), or solve_streamed(): estimate, covariance and verdict (calibrator.cc), then statements that
-///   the
-///      data contradict (verdict/diagnose.h),
-///   3. explain(): where the outcome is poor, what is wrong as a whole (units, wiring, frames, clocks),
-///   4. outcome_hints() where nothing is contradicted, and the deployment.
-/// Steps that diagnose have a budget (solution/diagnosis_budget.h). Errors: runs that do not fit the site.
+/// The complete method: health of the recordings, bundle adjustment, verdict, diagnosis, deployment. Command
+/// line, Python and C++ call it for recordings of all sizes, with the same results.
+///   1. log_hints(): checks of the recordings before the solution,
+///   2. solve(), or solve_streamed(): estimate, covariance and verdict (calibrator.cc), then assumptions that
+///      the data contradict (verdict/diagnose.h),
+///   3. explain(): for a poor outcome, a cause that affects everything (units, wiring, frames, clocks),
+///   4. outcome_hints() if there is no contradiction, and the deployment.
+/// Diagnostic steps have a budget (solution/diagnosis_budget.h). Errors: runs that do not fit the site.
 [[nodiscard]] Result<Calibration> calibrate(Site site, std::vector<MeasurementLog> runs,
                                             const CalibrationOptions& options = {});
-/// Calibrates recordings that are read again for each step (streamed.h). Errors: those of the source, too.
+/// Calibrates recordings that are read again for each step (streamed.h). Errors: also those of the source.
 [[nodiscard]] Result<Calibration> calibrate(const Site& site, ArrivalSource& source,
                                             const CalibrationOptions& options = {});
 

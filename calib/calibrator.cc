@@ -39,13 +39,13 @@ class Calibrator {
     auto found = start();
     if (!found) return fail(found.error());
     if (!found->ok) return unsolved(std::move(*found));
-    // The states of all, and what their residuals say of the noise (truncated variance, reject.h).
+    // The states of the whole log, and the noise from their residuals (truncated variance, reject.h).
     const auto sigma = place_all(std::move(*found));
     if (!sigma) return fail(sigma.error());
-    // Least squares on the inliers, the states eliminated by variable projection (Golub, Pereyra 1973) and
-    // their Schur complement (Triggs et al. 2000, section 6.1), with the noise as they show it.
+    // Least squares on the inliers with this noise. The states are eliminated by variable projection (Golub,
+    // Pereyra 1973) and their Schur complement (Triggs et al. 2000, section 6.1).
     if (auto ok = adjust_with_noise_as_found(*sigma); !ok) return fail(ok.error());
-    // The covariance is the inverse of the reduced normal matrix; what it says is the verdict.
+    // The covariance is the inverse of the reduced normal matrix. The verdict follows from it.
     if (!monitor_.report("covariance and verdict", 0.92)) return interrupted();
     auto all = log_.findings(estimate_);
     if (!all) return fail(all.error());
@@ -54,7 +54,7 @@ class Calibrator {
     solution.warnings = std::move(warnings_);
     solution.contradictions = log_.problem().contradictions;
     const Conclusion concluded = conclude(log_.problem(), options_, estimate_, std::move(*all), solution);
-    // The solution is complete. The search for what contradicts it has a time of its own.
+    // The solution is complete. The search for contradictions has a time limit of its own.
     solution.diagnosis.fit_s = thread_time_s() - began_s_;
     diagnose(log_.problem(), options_, estimate_, concluded, solution);
     return solution;
@@ -67,7 +67,7 @@ class Calibrator {
       if (!sample) return fail(sample.error());
       if (sample->problem == nullptr) return found;
       is_complete_ = sample->is_complete;
-      // A part is so small that each rank is sooner done with it than it would hear of the others.
+      // Each rank solves a small part itself, because communication would take longer.
       SolveOptions options = options_;
       if (!is_complete_) options.ranks = nullptr;
       ProgressMonitor monitor(options);
@@ -102,7 +102,7 @@ class Calibrator {
     return of_all;
   }
 
-  /// Ranks on different processors may have found what differs in the last digits.
+  /// Adopts the result of the first rank; on other processors the last digits may differ.
   void follow_first_rank(Eigen::VectorXd& x, double& sigma) const {
     if (options_.ranks == nullptr) return;
     std::vector<double> numbers(static_cast<std::size_t>(x.size()) + 1, 0.0);
@@ -116,7 +116,7 @@ class Calibrator {
   }
 
   Result<DataSquares> adjust_with_noise_as_found(double sigma) {
-    // Measured poses take their part of what the arrivals are off by, so that little is left in these.
+    // Measured poses absorb a part of the errors of the arrivals, so the residuals contain little of them.
     const auto& runs = log_.problem().runs;
     const bool are_posed =
         std::ranges::any_of(runs, [](const MeasurementLog& run) { return !run.poses.empty(); });
@@ -131,7 +131,7 @@ class Calibrator {
   ProgressMonitor& monitor_;
   Clock::time_point began_ = Clock::now();
   double began_s_ = thread_time_s();
-  bool is_complete_ = false;  ///< the log that the start is from
+  bool is_complete_ = false;  ///< the start used the complete log
   Estimate estimate_;
   std::vector<std::string> warnings_;
 };

@@ -9,11 +9,11 @@
 
 namespace octant::calib {
 
-/// The calibration of a log, wherever its arrivals are: what solve() and solve_streamed() do. With m the
-/// shared parameters, x the vehicle states and I the inliers among the arrivals it minimises
+/// Calibration of a log in memory or in a source, for solve() and solve_streamed(). With m the shared
+/// parameters, x the vehicle states and I the inliers among the arrivals it minimises
 ///   1/2 sum over I of (r(m, x) / sigma)^2 + 1/2 |m - prior|^2
-/// over m, x, I and sigma in turn; the states are eliminated (variable projection).
-/// Errors: those of reading the log.
+/// alternately over m, x, I and sigma; the states are eliminated (variable projection). Errors: those of
+/// reading the log.
 [[nodiscard]] Result<Solution> solve_log(CalibrationLog& log, const SolveOptions& options,
                                          ProgressMonitor& monitor);
 

@@ -25,7 +25,8 @@ std::vector<bool> usable_beacons(const Site& site, const Variances& variances) {
   return usable;
 }
 
-constexpr double kUnobservableM = 1e4;  ///< as calibrate's words have it: beyond it nothing is known
+/// Sigma beyond which a position counts as unknown, as in `calibrate`
+constexpr double kUnobservableM = 1e4;
 
 BeaconForecast beacon_forecast(const Site& site, std::size_t b, const Solution& s, const Variances& variances,
                                bool usable, double arrivals) {
@@ -77,8 +78,7 @@ Forecast forecast(const Problem& whole, const SolveOptions& options,
     sample.push_back(subsample(run, whole.site, share));
   }
   auto subsampled = make_problem(whole.site, std::move(sample));
-  // The whole had observations and kept its unit; what is left of it may still have lost its states by bad
-  // luck.
+  // The whole log has observations and units. A subsample of it may still have lost all states by chance.
   f.subsampled = subsampled ? *subsampled : whole;
   f.subsampled.warnings = whole.warnings;
   const LogCounts all(whole), used(f.subsampled);
@@ -89,7 +89,7 @@ Forecast forecast(const Problem& whole, const SolveOptions& options,
 
   ProgressMonitor monitor(options);
   SubsampledLog log(f.subsampled, all, options, monitor);
-  f.solution = *solve_log(log, options, monitor);  // nothing is read that could be in error
+  f.solution = *solve_log(log, options, monitor);  // without reading there is no error
   if (f.solution.status == SolveStatus::kInterrupted) return f;
   explain(whole, f.subsampled, f.solution, options);
   const Variances variances(f.solution);
@@ -101,7 +101,7 @@ Forecast forecast(const Problem& whole, const SolveOptions& options,
 }
 
 std::vector<Finding> suspicions(const Forecast& f, std::vector<RunHealth>& runs) {
-  if (f.solution.beacon_status.empty()) return {};  // nothing was solved
+  if (f.solution.beacon_status.empty()) return {};  // there is no solution
   const double stride = f.is_subsampled() ? static_cast<double>(f.states) /
                                                 static_cast<double>(std::max<std::size_t>(f.states_used, 1))
                                           : 1.0;

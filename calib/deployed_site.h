@@ -7,9 +7,8 @@
 
 namespace octant::calib {
 
-/// The site that a deployment describes, without priors: its beacons by name, its vehicles with their
-/// receivers, medium, timing, noise and tolerance. What the deployment knows of the parameters is for the
-/// caller to state.
+/// Site of a deployment without priors: its beacons by name, its vehicles with their receivers, medium,
+/// timing, noise and tolerance. The caller sets the priors.
 [[nodiscard]] Site deployed_site(const Deployment& deployment);
 
 }  // namespace octant::calib

@@ -15,7 +15,7 @@ namespace {
 
 void add_beacons(const Problem& problem, const Solution& solution, const Variances& variances,
                  Deployment& d) {
-  // A site's one delay stands on every beacon; pair biases are part of a pair and stay out.
+  // A common delay of the site is added to each beacon; biases of pairs belong to a pair and are omitted.
   for (std::size_t b = 0; b < problem.site.beacons.size(); ++b) {
     DeploymentBeacon beacon;
     beacon.name = problem.site.beacons[b].name;
@@ -52,7 +52,7 @@ void add_receivers(const Problem& problem, const Solution& solution, const Varia
     const std::size_t vehicle = given.vehicle.index();
     const Eigen::Vector2d o = receiver.position_m.head<2>();
     if (problem.site.vehicles[vehicle].array && o.norm() > 0) {
-      Eigen::Matrix2d by_shape;  // by the circumradius and the turn
+      Eigen::Matrix2d by_shape;  // derivatives by circumradius and rotation
       by_shape << o.x() / o.norm(), -o.y(), o.y() / o.norm(), o.x();
       const ParameterId radius = parameters::array_radius(vehicle), turn = parameters::array_turn(vehicle);
       Eigen::Matrix2d C;
@@ -66,12 +66,12 @@ void add_receivers(const Problem& problem, const Solution& solution, const Varia
   }
 }
 
-/// How far off their axes the receivers heard: one cone for all of a vehicle, so that a few hundred arrivals
-/// tell it.
+/// Estimates the angle off their axes within which the receivers receive. All receivers of a vehicle share
+/// one cone, so a few hundred arrivals determine it.
 void add_hearing(const Solution& solution, Deployment& d) {
   constexpr std::size_t kEnough = 200;
   constexpr double kOutliers = 0.005, kMargin = 0.03;
-  // Evenly spread arrivals of a long log tell a cone as well.
+  // For a long log, evenly spread arrivals suffice.
   constexpr std::size_t kPlenty = 200'000;
   std::vector<std::vector<double>> cosines(d.vehicles.size());
   for (const Trajectory& t : solution.trajectories)
@@ -96,7 +96,7 @@ void add_hearing(const Solution& solution, Deployment& d) {
 
 void add_validity(const Problem& problem, const Solution& solution, Deployment& d) {
   LogExtent extent;
-  if (solution.totals) {  // of a whole log the trajectories at hand are a part
+  if (solution.totals) {  // the trajectories are a part of the log
     extent = {solution.totals->area_m, solution.totals->coldest_degC, solution.totals->hottest_degC};
   } else {
     for (const Trajectory& t : solution.trajectories) extent.add(t, problem.runs[t.run], problem.site);
@@ -113,8 +113,8 @@ void add_noise(const Problem& problem, const Solution& solution, Deployment& d) 
   const ErrorModel& errors = solution.errors;
   d.noise.tof_sigma_s = solution.tof_sigma_s;
   if (!errors.correlated) return;
-  // White noise and errors of a short memory are hard to tell apart; no localizer should take arrivals for
-  // exact.
+  // White noise and errors with a short correlation time are hard to distinguish. The least white share keeps
+  // localizers from treating arrivals as exact.
   constexpr double kLeastWhite = 0.1;
   const double total =
       errors.white_tof + std::pow(errors.correlated_sigma(), 2) + std::pow(errors.pair_sigma(), 2);
@@ -164,7 +164,7 @@ Deployment make_deployment(const Problem& problem, const Solution& solution, con
   const Variances variances(solution);
   Deployment d = deployment_head(problem.site, solution, provenance);
   const auto& offsets = solution.state.speed_offset_mps;
-  // With one offset a run, the last run is the nearest to the present.
+  // If each run has an offset, that of the last run is the most recent one.
   d.speed_offset_mps = offsets.back();
   d.speed_sigma_mps = variances.sigma(parameters::speed(offsets.size() > 1 ? offsets.size() : 0));
   add_noise(problem, solution, d);

@@ -14,7 +14,7 @@ Solution solve_held(const Problem& problem, const SolveOptions& options,
                     std::vector<Trajectory>* own_trajectories) {
   ProgressMonitor monitor(options);
   HeldLog log(problem, options, monitor, own_trajectories);
-  return *solve_log(log, options, monitor);  // there is nothing to be read that could be in error
+  return *solve_log(log, options, monitor);  // without reading there is no error
 }
 
 }  // namespace

@@ -24,15 +24,16 @@
 namespace octant::calib {
 namespace {
 
-/// Rows, observations, tiles and marks of one arrival; rows, states and their systems of one odometry row.
+/// Memory in bytes for one arrival (rows, observations, tiles, marks) and for one odometry row (rows, states,
+/// their systems).
 constexpr std::size_t kBytesOfHeld = 220, kBytesOfHeldStep = 850;
 
-/// The log of a source, which is read again for each look at it: drives in pieces (drives/), all else in
-/// chunks (chunks/). One reading is one step of its adjustment (newton_steps.h).
+/// Log of a source, read again in each pass: drives in segments (drives/), everything else in chunks
+/// (chunks/). One pass is one step of the adjustment (newton_steps.h).
 class StreamedLog : public CalibrationLog {
  public:
-  /// All outlive it.
-  /// @param memory_bytes  bound of the process, by the size of what is read at once
+  /// The arguments must outlive it.
+  /// @param memory_bytes  bound of the process, which limits the size of the chunks
   StreamedLog(const Site& site, ArrivalSource& source, const SolveOptions& options, ProgressMonitor& monitor,
               std::size_t memory_bytes)
       : site_(site),
@@ -43,13 +44,13 @@ class StreamedLog : public CalibrationLog {
         chunks_(state_kinds(source, site), site.beacons.size(), plan_.chunk_arrivals),
         drives_(source, site) {}
 
-  /// Its runs hold the arrivals of the sample, in the end those of every so many-th state.
+  /// Its runs have the arrivals of the sample, and finally those of evenly spaced states.
   [[nodiscard]] const Problem& problem() const override { return frame_; }
   [[nodiscard]] Problem release_problem() && { return std::move(frame_); }
 
-  /// Reads all of it once. Evenly spread stops and stretches of drives.
+  /// Reads everything once, and samples evenly spread stops and segments of drives.
   Result<Sample> next_sample() override {
-    if (is_scanned_) return Sample{};  // no more of it is ever at hand
+    if (is_scanned_) return Sample{};  // there is only one sample
     if (!monitor_.report("first reading of the log", 0.01)) return interrupted();
     if (auto ok = scan(); !ok) return fail(ok.error());
     auto sample = part();
@@ -62,8 +63,8 @@ class StreamedLog : public CalibrationLog {
     start.trajectories = {};
     begin_readings();
     const double suspect_sigmas = options_.rejection_sigmas * std::max(1.0, sigma);
-    // Where the part's noise is as stated, the whole's will be, and the first rejection goes in one with the
-    // placing.
+    // If the noise of the part is as expected, that of the whole log will be too, and the first rejection is
+    // combined with solving the states.
     const bool reject = !is_far_off(sigma);
     auto placed = readings_.place(start.estimate, suspect_sigmas, reject);
     if (!placed) return fail(placed.error());
@@ -116,13 +117,13 @@ class StreamedLog : public CalibrationLog {
     return {};
   }
 
-  /// Runs of stops alone are subsampled by epochs, all others by stretches of time.
+  /// Runs with only stops are subsampled by epochs, all others by segments of time.
   [[nodiscard]] bool has_stops_alone(std::size_t run) const {
     const auto& kinds = chunks_.kinds(run);
     return std::ranges::all_of(kinds, [](StateKind k) { return k == StateKind::kStops; });
   }
 
-  /// With the warnings that make_problem() would give of all drives; others are counted in the end.
+  /// Includes the warnings of make_problem() for all drives; others are counted at the end.
   [[nodiscard]] Result<Problem> part() const {
     std::vector<MeasurementLog> runs;
     for (std::size_t run = 0; run < source_.runs(); ++run) {
@@ -141,7 +142,7 @@ class StreamedLog : public CalibrationLog {
     return problem;
   }
 
-  /// The frame without what is read each time.
+  /// Removes the data that each pass reads from the frame.
   void begin_readings() {
     frame_.trajectories.clear();
     for (std::size_t run = 0; run < frame_.runs.size(); ++run) {
@@ -163,14 +164,14 @@ class StreamedLog : public CalibrationLog {
   ChunkIndex chunks_;
   DriveIndex drives_;
   bool is_scanned_ = false;
-  Problem frame_;  ///< the log without its arrivals
+  Problem frame_;  ///< log without its arrivals
   JoinedReadings readings_;
   std::size_t states_ = 0;
-  std::optional<PassSum> first_sum_;  ///< at the start, where placing marked and summed up as well
+  std::optional<PassSum> first_sum_;  ///< sums of the first pass, which also solved the states
 };
 
-/// Of more parameters than are dense: what a reading leaves, as often as it is held at a time. A drive ties
-/// all beacons that it passes, stops some dozens that are heard together.
+/// Memory of the sums of a pass at sites with too many parameters for dense matrices, times the number of
+/// simultaneous copies. A drive connects all beacons that it passes, a stop some dozens that it receives.
 std::size_t bytes_of_sums(const Site& site, const std::vector<const MeasurementLog*>& runs, bool drives) {
   constexpr std::size_t kSums = 6;
   Problem frame;
@@ -191,7 +192,7 @@ std::size_t least_memory_streamed(const Site& site, const std::vector<const Meas
                                   std::size_t arrivals, std::size_t odometry_rows) {
   constexpr std::size_t kMega = std::size_t{1} << 20, kProgram = 20 * kMega;
   constexpr std::size_t kSampledStates = 110'000, kBytesOfSampledState = 1600;
-  constexpr std::size_t kOfDrives = 90 * kMega, kBytesOfStep = 115;  // rows, states, stretches looked at
+  constexpr std::size_t kOfDrives = 90 * kMega, kBytesOfStep = 115;  // rows, states, current segments
   const std::size_t sums = bytes_of_sums(site, runs, odometry_rows > 0);
   if (odometry_rows > 0) return sums + kOfDrives + odometry_rows * kBytesOfStep;
   return sums + kProgram + std::min(arrivals, kSampledStates) * kBytesOfSampledState + 7 * arrivals / 2;

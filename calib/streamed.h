@@ -12,30 +12,31 @@
 
 namespace octant::calib {
 
-/// Bytes that solve() needs for a log of so many arrivals and, of drives, odometry rows, reading included.
+/// Memory that solve() needs for a log with this number of arrivals and odometry rows [bytes], including
+/// reading.
 [[nodiscard]] std::size_t memory_of_held(std::size_t arrivals, std::size_t odometry_rows = 0);
 
-/// The least that solve_streamed() needs: what is known of each arrival and each state between two readings,
-/// the states that are looked at one by one in the end, and at sites of very many parameters their sums.
+/// Least memory of solve_streamed(): data of each arrival and state between two passes, states processed
+/// singly at the end, and at sites with very many parameters their sums.
 /// @param runs  without their arrivals
 [[nodiscard]] std::size_t least_memory_streamed(const Site& site,
                                                 const std::vector<const MeasurementLog*>& runs,
                                                 std::size_t arrivals, std::size_t odometry_rows);
 
 struct StreamedCalibration {
-  /// Its runs hold every so many-th epoch (Solution::whole), its trajectories are the solution's.
+  /// Its runs have evenly spaced epochs (Solution::whole); its trajectories are those of the solution.
   Problem problem;
   Solution solution;
 };
 
-/// solve() for a log that would not fit into memory: an evenly spread part of it tells the shared parameters
-/// but for the noise, as solve() does with a long log; then the whole is read again for each step of the
-/// adjustment. What it leaves each time is its sufficient data: cost, gradient and Gauss-Newton matrix of all
-/// arrivals at the shared parameters of the step, all stops or drives solved and eliminated. Near the
-/// optimum that is all there is to know, so one reading is one step of Newton's method; it rejects and
-/// readmits arrivals by the way, and three or four of them are enough. The answer is that of solve(). Errors:
-/// those of reading, of make_problem, and a file that changes meanwhile.
-/// @param memory_bytes  bound of the process, by the size of what is read at once
+/// solve() for a log that does not fit into memory. As solve() does with a long log, it first estimates the
+/// shared parameters, except for the noise, from an evenly spread part. Each step of the adjustment is then
+/// one pass over the whole log. A pass accumulates sufficient statistics: cost, gradient and Gauss-Newton
+/// matrix of all arrivals at the current shared parameters, with all stops and drives solved and eliminated.
+/// Near the optimum these suffice for a step of Newton's method. A pass also rejects and readmits arrivals,
+/// and three or four passes are enough. The result is that of solve(). Errors: those of reading, of
+/// make_problem, and a file that changes meanwhile.
+/// @param memory_bytes  bound of the process, which limits the size of the chunks
 [[nodiscard]] Result<StreamedCalibration> solve_streamed(const Site& site, ArrivalSource& source,
                                                          const SolveOptions& options,
                                                          std::size_t memory_bytes);
