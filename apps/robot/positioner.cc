@@ -83,7 +83,7 @@ Positioner::Positioner(const std::string& deployment_path, const OdometryNoise& 
                       .floor_rad = odometry.floor_rad};
   options.lateness_s = lateness_s;
   inside_->follower = std::make_unique<Follower>(std::move(*deployment), options);
-  // The inside stays where it is when a positioner moves.
+  // The address of `inside` does not change when a positioner is moved.
   inside_->follower->on_fix = [inside = inside_.get()](const Fix& fix) {
     if (inside->sink) inside->sink(place_of(fix));
   };

@@ -10,26 +10,26 @@
 #include <string>
 #include <string_view>
 
-// Octant in a robot's own program: a deployment file, what is heard, where the vehicle is. This header needs
-// the standard library alone, and liboctant.so shows nothing else, so that the program may be built with
-// whatever flags and libraries. Frames: map with z up, vehicle with x forward, y left, z up. SI units.
+// Octant in a robot's own program: given a deployment file and arrivals, it determines where the vehicle is.
+// This header needs only the standard library, and liboctant.so exports nothing else, so the program may use
+// any flags and libraries. Frames: map with z up, vehicle with x forward, y left, z up. SI units.
 namespace octant {
 
 /// One time of flight between a beacon and a receiver, by their names in the deployment.
 struct Heard {
   std::string_view beacon;
   double tof_s = 0.0;
-  std::string_view receiver = {};  ///< empty: the vehicle's only one
-  double time_s = 0.0;             ///< the instant at which the vehicle's end of the path acts
-  std::string_view vehicle = {};   ///< empty: the deployment's only one, or `robot`
-  std::int64_t epoch = kNone;      ///< arrivals of one stop share one; kNone: the vehicle may be moving
+  std::string_view receiver = {};  ///< empty: the only receiver of the vehicle
+  double time_s = 0.0;             ///< time of transmission or reception at the vehicle
+  std::string_view vehicle = {};   ///< empty: the only vehicle of the deployment, or `robot`
+  std::int64_t epoch = kNone;      ///< equal for the arrivals of one stop; kNone: the vehicle may be moving
   double amplitude_v = std::numeric_limits<double>::quiet_NaN();       ///< NaN: not measured
-  double temperature_degC = std::numeric_limits<double>::quiet_NaN();  ///< NaN: the deployment's
+  double temperature_degC = std::numeric_limits<double>::quiet_NaN();  ///< NaN: use the deployment's
   static constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::min();
 };
 
-/// Odometry since the last row: the vehicle's pose in the frame that it had then. The first row is the
-/// anchor. In space (inertial, visual) with dz_m, and a quaternion in place of dheading_rad.
+/// Odometry since the last row: the vehicle's pose in its frame at that time. The first row is the anchor. In
+/// space (inertial, visual), uses dz_m, and a quaternion instead of dheading_rad.
 struct Moved {
   double time_s = 0.0, dx_m = 0.0, dy_m = 0.0, dheading_rad = 0.0;
   std::string_view vehicle = {};
@@ -38,7 +38,7 @@ struct Moved {
 
 /// Noise of the odometry over a step of length d and turn a:
 ///   sigma_xy^2 = distance^2 d + floor_m^2,  sigma_heading^2 = heading^2 d + (per_rad a)^2 + floor_rad^2
-/// as in the block `odometry` of a recording's run.yaml, and the same where nothing is said.
+/// as in the block `odometry` of a recording's run.yaml, with the same defaults.
 struct OdometryNoise {
   double distance_sigma_m_per_sqrt_m = 0.02;
   double heading_sigma_rad_per_sqrt_m = 0.02;
@@ -47,28 +47,28 @@ struct OdometryNoise {
   double floor_rad = 1.0e-4;
 };
 
-/// Where the vehicle is, or why that is not known.
+/// Pose of the vehicle, or the reason why it is unknown.
 struct Place {
   bool ok = false;
   const char* status = "";  ///< "ok", or the reason: "too_few_arrivals", "ambiguous", ...
   double time_s = 0.0;
   double x_m = 0.0, y_m = 0.0, z_m = 0.0, heading_rad = 0.0;
   double qx = 0.0, qy = 0.0, qz = 0.0, qw = 1.0;
-  /// Standard deviations, the calibration's part included; pi: the heading is not known.
+  /// Standard deviations, including the calibration; pi: the heading is unknown.
   double sigma_x_m = 0.0, sigma_y_m = 0.0, sigma_z_m = 0.0, sigma_heading_rad = 0.0;
   double covariance_xy_m2 = 0.0;
   double protection_level_m =
-      0.0;  ///< horizontal: how far off one beacon at fault could put it; 0: not computed
+      0.0;  ///< bound of the horizontal error under one faulty beacon; 0: not computed
   int arrivals_used = 0, arrivals_rejected = 0;
-  int vehicle = -1;  ///< its number in the deployment
+  int vehicle = -1;  ///< index in the deployment
 };
 
-/// Finds a vehicle by a deployment. One object is for one thread at a time.
+/// Locates vehicles with a deployment. An object may be used by one thread at a time.
 class [[gnu::visibility("default")]] Positioner {
  public:
-  /// Reads a deployment file. Where that fails, or a noise is no number from zero on, the object is false,
-  /// and error() says where and why.
-  /// @param lateness_s  arrivals and odometry may come in any order within it
+  /// Reads a deployment file. If this fails, or if a noise is negative or not a number, the object converts
+  /// to false, and error() has place and reason.
+  /// @param lateness_s  arrivals and odometry may arrive in any order within this time
   explicit Positioner(const std::string& deployment_path, const OdometryNoise& odometry = {},
                       double lateness_s = 0.2);
   ~Positioner();
@@ -78,18 +78,18 @@ class [[gnu::visibility("default")]] Positioner {
   explicit operator bool() const noexcept;
   [[nodiscard]] const std::string& error() const noexcept;
 
-  /// The fix of a standing vehicle by what it heard there, independent of all else. Beacons and receivers
-  /// that the deployment does not have are left out (and count as rejected); no exceptions, no NaN.
+  /// Locates a stationary vehicle from its arrivals alone, independently of other calls. Beacons and
+  /// receivers that the deployment does not have count as rejected. No exceptions, no NaN.
   [[nodiscard]] Place locate(std::span<const Heard> heard) noexcept;
 
-  /// As it goes, in any order within the lateness: arrivals are fixed as soon as all of a place have come,
-  /// and while there is odometry the vehicle is tracked. Fixes go to on_place. @return false: a name is
-  /// unknown, a row comes too late, an arrival repeats another one, or it is called within on_place, where
-  /// nothing is taken
+  /// Live data, in any order within the lateness. Arrivals of a pose are used as soon as all have come, and
+  /// with odometry the vehicle is tracked. Fixes go to on_place.
+  /// @return false if a name is unknown, a row is too late, an arrival is repeated, or the call comes from
+  /// within on_place, where rows are refused
   void on_place(std::function<void(const Place&)> sink);
   bool hear(const Heard& heard);
   bool move(const Moved& moved);
-  /// Nothing more is coming of this place.
+  /// Fixes the waiting arrivals, because no more will come for this pose.
   void flush();
 
  private:
