@@ -11,15 +11,15 @@
 
 namespace octant::calib {
 
-/// Joint covariance of the shared parameters in internal units: the inverse of their information, directions
-/// that nothing tells with a huge but finite variance, those of a free datum (inner constraints: F'x = 0)
-/// with none.
+/// Joint covariance of the shared parameters in internal units: the inverse of their information.
+/// Undetermined directions have a huge but finite variance; those of a free datum have zero variance (inner
+/// constraints: F'x = 0).
 ///
-/// Of some hundred parameters it is a matrix. Of thousands it is the sparse Cholesky factor of the
-/// information (CHOLMOD) and the part of the inverse that stands in the factor's pattern, by Takahashi's
-/// recursion (Takahashi, Fagan and Chen 1973; Erisman and Tinney 1975), supernode by supernode: all pairs of
-/// parameters that an observation connects are in it. Any other pair costs a solve. A free datum is then held
-/// by pins, and what is asked is transformed (Baarda's S-transformation, C = (I - F F') C_pinned (I - F F')).
+/// With some hundred parameters it is a matrix. With thousands it is the sparse Cholesky factor of the
+/// information (CHOLMOD) and the part of the inverse in the factor's pattern, by Takahashi's recursion
+/// (Takahashi, Fagan and Chen 1973; Erisman and Tinney 1975), supernode by supernode. It contains all pairs
+/// of parameters that an observation connects; any other pair needs a solve. A free datum is then fixed by
+/// pins, and results are transformed (Baarda's S-transformation, C = (I - F F') C_pinned (I - F F')).
 class Covariance {
  public:
   Covariance();

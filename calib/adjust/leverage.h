@@ -50,15 +50,15 @@ struct LatenessInformation {
 ///
 /// The joint covariance of the shared parameters is C = L L'; in coordinates theta = L xi their information
 /// is the unit matrix. With Jx, Js the rows' derivatives by states and by shared parameters, A = Jx'Jx of a
-/// segment (block-tridiagonal) and X = -A^-1 Jx'Js L the states' own answer to xi,
+/// segment (block-tridiagonal) and X = -A^-1 Jx'Js L the response of the states to xi,
 ///   h = Jx A^-1 Jx' + |f|^2,   f = Js L + Jx X,   d theta = L f' per sigma of error.
-/// A^-1 is needed on the diagonal and beside it only: the smoother's recursions of
-/// models/localizers/chain/chain_windows.h; X_k by back-substitution. Chains are swept in blocks, so that
-/// memory does not grow with (nodes x parameters). State directions that nothing observes (heading of a lone
-/// antenna) are held and count as no unknowns.
+/// Only the diagonal and first off-diagonal blocks of A^-1 are needed: the smoother's recursions of
+/// models/localizers/chain/chain_windows.h; X_k by back-substitution. Chains are processed in blocks, so that
+/// memory does not grow with (nodes x parameters). Unobservable directions of states (heading of a single
+/// antenna) are fixed and are not counted as unknowns.
 ///
-/// Where the covariance is not formed as a whole, L is that of the parameters that a segment sees: leverages
-/// are the same; shifts are those of the beacons heard there, and a lateness is not told.
+/// If the covariance is not formed as a whole, L belongs to the parameters of a segment: leverages are the
+/// same; shifts are those of the beacons received there, and the lateness is not computed.
 class LeverageSweep {
  public:
   /// @param C  joint covariance of the layout's parameters, not owned

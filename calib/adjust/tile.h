@@ -15,12 +15,12 @@
 
 namespace octant::calib {
 
-/// A tile: some segments of one trajectory. For given shared parameters it first settles its own vehicle
+/// A tile: some segments of one trajectory. For given shared parameters it first solves its own vehicle
 /// states (variable projection), then eliminates them:
 ///   H = sum Js'Js - Js'Jx (Jx'Jx)^-1 Jx'Js,   g = Js'r - Js'Jx (Jx'Jx)^-1 Jx'r
-/// Settled states make cost, gradient and Gauss-Newton matrix those of the full bundle adjustment; what is
-/// left of Jx'r is corrected to first order. Not safe to evaluate one tile from two threads; different tiles
-/// are independent.
+/// With solved states, cost, gradient and Gauss-Newton matrix are those of the full bundle adjustment; the
+/// remaining Jx'r is corrected to first order. Not safe to evaluate one tile from two threads; different
+/// tiles are independent.
 class Tile {
  public:
   /// @param trajectory  not owned; this tile writes only the nodes of its segments
@@ -75,7 +75,7 @@ class Tile {
   std::vector<std::size_t> stop_segments_, general_;  ///< segments of the vector kernel, all others
   std::vector<double> solved_costs_;                  ///< cost of each of the latter
   bool is_long_ = false;
-  bool has_moved_ = true;  ///< nodes of the general segments may not be where they were committed
+  bool has_moved_ = true;  ///< nodes of the general segments may differ from the committed ones
   std::unique_ptr<StopBlock> stops_;
   std::unique_ptr<ChainReduction> chains_;  ///< reduction of the general segments
   std::vector<Node> committed_;             ///< nodes of the general segments

@@ -14,18 +14,17 @@ struct ReducedSystem;
 /// Reduced system of a part of a chain whose ends are shared with its neighbours.
 struct OpenChain {
   bool has_left = false, has_right = false;  ///< ends that are not eliminated
-  double cost = 0.0;                         ///< less what the inner states' own step gains
+  double cost = 0.0;                         ///< minus the gain of a step of the inner states
   Eigen::VectorXd gradient;                  ///< by parameters, left end, right end
   Eigen::MatrixXd H;                         ///< both triangles
 };
 
-/// Eliminates the states of segments of a trajectory, and leaves their cost's gradient and Gauss-Newton
-/// matrix in the shared parameters:
+/// Eliminates the states of segments of a trajectory, which gives the gradient and Gauss-Newton matrix of
+/// their cost in the shared parameters:
 ///   H = sum Js'Js - Js'Jx (Jx'Jx)^-1 Jx'Js,   g = Js'r - Js'Jx (Jx'Jx)^-1 Jx'r
-/// Jx'Jx is block-tridiagonal. A long chain is cut into stretches (nested dissection: George 1973): the inner
-/// states of a stretch are eliminated onto its two ends and the parameters that the stretch sees, stretches
-/// side by side; then the ends, one after the other. That is exact, and no sum depends on how many threads
-/// there are.
+/// Jx'Jx is block-tridiagonal. A long chain is divided (nested dissection: George 1973): the inner states of
+/// each part are eliminated onto its two ends and its parameters, all parts in parallel; then the ends, one
+/// after the other. This is exact, and the sums do not depend on the number of threads.
 class ChainReduction {
  public:
   /// @param trajectory, layout  not owned
@@ -44,9 +43,9 @@ class ChainReduction {
   double reduce(const Segment& segment, const SharedState& state, const RobustLoss& loss,
                 const std::vector<int>& place, int threads, ReducedSystem& system) const;
 
-  /// Eliminates all states of a segment but those of its ends that the result is to keep, at the states as
-  /// the trajectory has them.
-  /// @param columns  of the system of parameters
+  /// Eliminates all states of a segment at the present states of the trajectory, except the ends that the
+  /// result keeps.
+  /// @param columns  number of columns of the system of parameters
   void reduce_open(const Segment& segment, const SharedState& state, const RobustLoss& loss,
                    const std::vector<int>& place, std::size_t columns, OpenChain& out) const;
 

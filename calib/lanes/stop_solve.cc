@@ -55,11 +55,11 @@ HWY_INLINE void build(const StopTables& tables, const StopPack& pack, std::size_
   out.cost = out.cost * 0.5;
 }
 
-/// The heading's diagonal of Gauss and Newton with the bend of the ranges. A lever arm is hardly longer than
-/// the residuals while the beacons are off, and steps without its bend then close in slowly. The bend counts
-/// down to half of the diagonal, and not where it would turn it about: a state that far off is outside the
-/// reach of Newton's method. A bend that is more than the diagonal only makes steps shorter and counts in
-/// `stiff` lanes; in the others the longer steps get out of a minimum that the loss makes up.
+/// Diagonal of the heading: Gauss-Newton plus the curvature of the ranges. A lever arm is hardly longer than
+/// the residuals while the beacons are inaccurate, and steps without the curvature then converge slowly.
+/// Negative curvature is limited to half of the diagonal, and is ignored if it would change the sign: such a
+/// state is outside the range of Newton's method. Curvature above the diagonal only shortens steps and counts
+/// in `stiff` lanes; in the others, longer steps can leave local minima of the loss.
 HWY_INLINE V bent(V diagonal, V bend, Mask stiff) {
   const Mask counts = (bend >= -diagonal) & (stiff | (bend <= diagonal));
   return select(counts, max(diagonal + bend, V(0.5 * diagonal)), diagonal);
@@ -105,7 +105,7 @@ HWY_INLINE void solve_part(const StopTables tables, const StopPack pack, std::si
   View view(states, part);
   StopNormal now, trial;
   build<kOffset, kRobust>(tables, pack, part, view, constants, now);
-  V lambda = 1e-8, rest = 0.0;  // rest: 1 where nothing is left to gain
+  V lambda = 1e-8, rest = 0.0;  // rest: 1 if there is no gain left
   const V one = 1.0;
   // Squares have one minimum nearby, and a measured heading is near its own.
   Mask stiff = one == V(kRobust ? 0.0 : 1.0);
@@ -113,7 +113,7 @@ HWY_INLINE void solve_part(const StopTables tables, const StopPack pack, std::si
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     V step[4];
     const Mask sound = solve<kOffset>(now, lambda, stiff, step);
-    V gain = 0.0;  // half the Newton decrement: what a quadratic cost would lose
+    V gain = 0.0;  // half the Newton decrement: decrease of a quadratic cost
     for (int p = 0; p < n; ++p) gain -= now.g[p] * step[p];
     gain = 0.5 * gain;
     const Mask moving = rest < one;
@@ -130,7 +130,7 @@ HWY_INLINE void solve_part(const StopTables tables, const StopPack pack, std::si
     moved.turn();
     build<kOffset, kRobust>(tables, pack, part, moved, constants, trial);
     const Mask better = (rest < one) & (sound & (trial.cost <= now.cost * (1.0 + 1e-14)));
-    // Neither better nor much left to gain: at rest to rounding.
+    // Neither better nor significantly improvable: converged to rounding.
     rest = select(but_not(gain < 1e-12 * (one + now.cost), better), one, rest);
     for (int p = 0; p < 4; ++p) view.state[p] = select(better, moved.state[p], view.state[p]);
     now.assign_where<n>(better, trial);

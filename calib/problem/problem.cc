@@ -28,7 +28,7 @@ double site_extent_m(const Site& site, const MeasurementLog& run) {
   return extent;
 }
 
-/// Milliseconds for seconds: the median distance is beyond anything the site could hold.
+/// Detects milliseconds instead of seconds: the median distance exceeds the size of the site.
 Result<void> check_unit(const Site& site, const MeasurementLog& run) {
   constexpr std::size_t kEnough = 100000;  // evenly spread ones of a long log tell the median as well
   std::vector<double> tof_s;
@@ -91,11 +91,12 @@ bool is_headless(const Site& site, const std::vector<Trajectory>& trajectories, 
   });
 }
 
-/// Without headings a lever arm of some millimetres is no parameter: each stop turns as it likes, and all
-/// turned together look the same, so that the arm would grow until it absorbs the errors of each stop, and no
-/// adjustment would come to rest on that circle. A receiver that is known well enough then stands where it is
-/// stated, and measured positions are off by its sigma as well. Where no place was measured either, the
-/// vehicle stands where its receiver is: about an arm of decimetres a search would end in circles.
+/// Fixes lever arms that the data do not determine. Without headings, each stop can rotate freely, and a
+/// common rotation has no effect. A free lever arm would grow until it absorbs the errors of each stop, and
+/// the adjustment would not converge. A receiver that is known well enough is therefore fixed at its given
+/// position, and measured positions get its sigma in addition. If no position was measured either, the
+/// vehicle's origin is placed at its receiver, because a search with a lever arm of decimetres would end in
+/// circles.
 /// @return Problem::held_lever_sigma_m
 std::vector<double> hold_levers(Site& site, const std::vector<Trajectory>& trajectories) {
   std::vector<double> held_m(site.vehicles.size(), 0.0);
@@ -151,7 +152,7 @@ std::string stateless_in_words(const MeasurementLog& run, int line, std::size_t 
 
 namespace {
 
-/// Nothing has a state: where arrivals and poses do not overlap in time, both spans are named.
+/// Error for a problem without any state. If arrivals and poses do not overlap in time, it names both spans.
 Error without_observations(const Site& site, const std::vector<MeasurementLog>& runs) {
   Error error{.file = runs.empty() ? site.path : runs.front().path + "/tof.csv",
               .found = "no arrival or bearing to calibrate with",

@@ -29,14 +29,14 @@ struct DriveStretches {
   std::size_t fewest = 30;  ///< smallest number of kept segments
 };
 /// Number of segments with about SubsampleOptions::drive_arrivals arrivals.
-/// @param arrivals, stretches  of the run
+/// @param arrivals, stretches  numbers of arrivals and segments of the run
 [[nodiscard]] std::size_t stretches_kept(const Site& site, const SubsampleOptions& options,
                                          std::size_t arrivals, std::size_t stretches);
 /// Time from the request of a two-way range to its reply; 0 for one way.
 [[nodiscard]] double asked_before_s(const Site& site, const Arrival& arrival);
-/// In space a stretch is placed by its own shape among beacons that are known roughly, and of poses that are
-/// as likely by what is heard around it (rough_path.h): what is kept has to be as long as that takes, as
-/// odometry over a long gap tells neither. So there are few of them.
+/// Segmentation for a site. In space the pose of a segment follows from its own shape among roughly known
+/// beacons, and from the beacons that it receives if several poses are equally likely (rough_path.h).
+/// Odometry over a long gap determines neither, so segments are long and few.
 [[nodiscard]] DriveStretches drive_stretches(const Site& site);
 
 /// A smaller recording with the same information: evenly spaced epochs (or segments of a drive, with their
@@ -72,7 +72,7 @@ void choose_more(GroupsHearing& hearing, std::size_t per_beacon, std::vector<boo
                                               std::size_t per_beacon,
                                               decltype(GroupsHearing::for_each_heard) for_each_heard);
 
-/// In the order of time, and of the rows of a file within an instant.
+/// Sorts by time, and within equal times by the rows of the file.
 void sort_by_time(std::vector<Arrival>& arrivals);
 
 /// At most the given number of arrivals of each beacon at one receiver, evenly spaced: their indices,

@@ -37,18 +37,18 @@ struct Trilateration {
   double cost = 0.0;  ///< robust, in squared scales
 };
 
-/// Place of a beacon from ranges to known places, none of the ranges trusted: linear solutions of random
+/// Position of a beacon from ranges to known positions, robust against outliers. Linear solutions of random
 /// subsets
 ///   2 q'p - |p|^2 = |q|^2 - r^2   (difference of squares, Figueroa and Mahajan 1994 without the speed)
-/// give candidates, and so do crossings of rays; the one that most ranges and rays agree with is refined
-/// under Cauchy's loss. Places are known to scale_m, and so is the direction of a ray over its length.
+/// and crossings of rays give candidates. The candidate with which most ranges and rays agree is refined
+/// under Cauchy's loss. Positions are known to scale_m, and so is the direction of a ray over its length.
 /// Deterministic.
 [[nodiscard]] Trilateration trilaterate(const std::vector<RangeFrom>& ranges,
                                         const TrilaterationOptions& options,
                                         const std::vector<RayFrom>& rays = {});
 
-/// In planar motion a place below the receivers explains arrivals as well as its image above them: of the
-/// height that was found and its image, the one on the side of the receivers where the beacon is known to be.
+/// In planar motion, a position below the receivers and its image above them explain the arrivals equally
+/// well. Returns the one of both heights on the side of the receivers where the beacon is known to be.
 /// @param receivers  all of the vehicles, with their positions; at least one
 template <class Receivers>
 [[nodiscard]] double height_on_known_side_m(const Receivers& receivers, double known_m, double found_m) {

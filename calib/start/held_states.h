@@ -8,14 +8,15 @@
 
 namespace octant::calib {
 
-/// Pseudo-observations of poses, for as long as it lives: then the trajectories have their own again.
+/// Pseudo-observations of poses during the lifetime of the object; afterwards the trajectories have their own
+/// again.
 class HeldStates {
  public:
-  /// Holds the headings of stationary epochs. A receiver that faces its beacon is nearer to it than the
-  /// vehicle's centre, so beacons that are all off by more than the array is large make a heading turned by
-  /// half a circle explain the ranges better; the search tells headings from differences between receivers,
-  /// which do not depend on the beacons.
-  /// @param trajectories  null: holds nothing
+  /// Constrains the headings of stationary epochs. A receiver on the side of a beacon is nearer to it than
+  /// the vehicle's centre. If all beacons are wrong by more than the size of the array, a heading rotated by
+  /// half a turn therefore explains the ranges better. The search determines headings from differences
+  /// between receivers, which do not depend on the beacons.
+  /// @param trajectories  null: no constraint
   [[nodiscard]] static HeldStates headings(std::vector<Trajectory>* trajectories);
   /// Constrains the paths of drives in space. Their heights and tilts are weakly observable: free states
   /// adapt to wrong beacons, which then follow them into a tilted image of both.

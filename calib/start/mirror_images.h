@@ -19,8 +19,8 @@ struct ConsensusCost {
   double others = 0.0;  ///< bearings, measured poses, priors
   [[nodiscard]] double total() const { return arrivals + others; }
 };
-/// Early arrivals are so much rarer than late ones, as in the search of a fix (ln 20, consensus.cc): by this
-/// many more half squares a consensus may be short of each that it leaves out.
+/// Additional cost of a rejected early arrival, in half squares. Early arrivals are rarer than late ones (ln
+/// 20 in the search of a fix, consensus.cc).
 inline constexpr double kEarlyIsRarer = 3.0;
 /// Weights of arrivals, trajectory by trajectory.
 using ArrivalWeights = std::vector<std::vector<double>>;
@@ -31,8 +31,8 @@ using ArrivalWeights = std::vector<std::vector<double>>;
                                               double rejection_sigmas, const ArrivalWeights& weights = {},
                                               double early_more = 0.0);
 
-/// All arrivals of a pair at one place count as a few at most: a hundred echoes that one stand recorded are
-/// no more than one.
+/// Weights with which all arrivals of a pair at one place count as a few at most, because a hundred echoes at
+/// one stop are a single event.
 [[nodiscard]] ArrivalWeights weights_by_place(const Problem& problem,
                                               const std::vector<Trajectory>& trajectories);
 
@@ -40,21 +40,19 @@ using ArrivalWeights = std::vector<std::vector<double>>;
 enum class Preference { kFirst, kSecond, kNeither };
 
 /// Compares a solution with its mirror image, both adjusted. Bearings, measured poses and priors decide
-/// beyond four sigmas; ranges alone only where they differ by so much that errors common to a pair or to a
-/// place are no excuse.
-/// @param noise  of the arrivals over the stated one
+/// beyond four sigmas. Ranges alone decide only if the difference exceeds errors common to a pair or a place.
+/// @param noise  ratio of the noise of the arrivals to that of the site file
 [[nodiscard]] Preference prefer(const ConsensusCost& first, const ConsensusCost& second, double noise);
 
 /// Compares two adjusted solutions, with weights_by_place and the noise of the first one.
 [[nodiscard]] Preference prefer_by_all(const Problem& problem, const AdjustedLog& first,
                                        const AdjustedLog& second, double rejection_sigmas);
-/// Half the squares by which the arrivals speak against the second of two solutions (negative: against the
-/// first), worth as much as of white noise: residuals that keep together within a pair of beacon and
-/// receiver, or at a place, along the difference of both solutions count for less, by the variance that they
-/// give its sum (Liang and Zeger 1986).
+/// Half squares by which the arrivals contradict the second of two solutions (negative: the first), in units
+/// of white noise. Residuals that are correlated within a beacon-receiver pair, or at a place, along the
+/// difference of both solutions have less weight, by the variance of its sum (Liang and Zeger 1986).
 [[nodiscard]] double arrivals_against(const Problem& problem, const AdjustedLog& first,
                                       const AdjustedLog& second, double rejection_sigmas);
-/// Two places of a beacon of a planar site that differ in height.
+/// Returns true for two positions of a beacon of a planar site that differ in height.
 [[nodiscard]] bool is_across_receivers(const Problem& problem, const Eigen::Vector3d& p_m,
                                        const Eigen::Vector3d& image_m);
 /// Compares a beacon above the receivers with its image below them, or the reverse: receivers at slightly
@@ -79,11 +77,11 @@ enum class Preference { kFirst, kSecond, kNeither };
 /// distinguishes left from right.
 [[nodiscard]] bool is_known_in_line(const Problem& problem, const AdjustedLog& log);
 
-/// Turns a planar site into its mirror image: beacons in the layout and states without a measured pose are
-/// reflected in the line of all that is known, or in any line where that is less than two places. False (and
-/// nothing is changed) where all beacons are fixed, where known places do not lie in line, where odometry or
-/// receivers that are no line tell left from right, or in space.
-/// @param off_line_m  how far known places may lie off the line beside what their sigmas allow
+/// Reflects a planar site: beacons in the layout and states without a measured pose are reflected in the line
+/// of all known positions, or in any line if there are fewer than two. Returns false, without a change, if
+/// all beacons are fixed, if known positions are not collinear, if odometry or receivers that are not
+/// collinear distinguish left from right, or in space.
+/// @param off_line_m  permitted distance of known positions from the line, in addition to their sigmas
 [[nodiscard]] bool reflect_site(const Problem& problem, AdjustedLog& log, double off_line_m = 0.0);
 
 }  // namespace octant::calib

@@ -12,7 +12,7 @@
 
 namespace octant::calib {
 
-/// A beacon's place and delay: x, y, z [m], and by how much its delay lengthens a range [m].
+/// Position and delay of a beacon: x, y, z [m], and delay as a range [m].
 using PlaceAndDelay = Eigen::Vector4d;
 
 /// Prior of a beacon's position and delay.
@@ -21,29 +21,31 @@ struct PlacePrior {
   PlaceAndDelay sigma = PlaceAndDelay::Constant(INFINITY);  ///< infinite: no prior; 0: fixed
 };
 
-/// The place and delay that the largest consensus of ranges from known places agrees on: the least that is
-/// found of half the squares, each up to that of the rejection, and the prior's. A beacon behind an obstacle
-/// for half of the recording fits its direct arrivals at one place, and at another, some tens of centimetres
-/// off, some of the direct and some of the late ones; a descent from there does not get out. So it is
-/// descended from a grid of places about the start, under a loss whose scale goes from a third of the grid's
-/// spacing down to the noise (graduated non-convexity with Geman and McClure's loss: Yang, Antonante,
-/// Tzoumas, Carlone 2020). Deterministic.
-/// @param ranges  late ones may be as many as the direct ones  @param start  where the beacon is now
-/// @param sigma_m  of a range
-/// @return nothing where no place is better than the start by half a square of the rejection
+/// Position and delay with which the largest consensus of ranges from known positions agrees. It minimises
+/// half the squares, each limited to the rejection limit, and the prior.
+///
+/// A beacon behind an obstacle for half of the recording agrees with its direct arrivals at one position, and
+/// some tens of centimetres away with some direct and some late ones, which is a local minimum. The search
+/// therefore descends from a grid of positions about the start, under a loss whose scale decreases from a
+/// third of the grid's spacing to the noise (graduated non-convexity with Geman and McClure's loss: Yang,
+/// Antonante, Tzoumas, Carlone 2020). Deterministic.
+/// @param ranges  may have as many late ones as direct ones
+/// @param start  present position of the beacon
+/// @param sigma_m  sigma of a range
+/// @return no value if no position is better than the start by half a square of the rejection limit
 [[nodiscard]] std::optional<PlaceAndDelay> place_of_largest_consensus(const std::vector<RangeFrom>& ranges,
                                                                       const PlacePrior& prior,
                                                                       const PlaceAndDelay& start,
                                                                       double sigma_m,
                                                                       double rejection_sigmas);
 
-/// Free beacons with many arrivals at placed states beyond `rejection_sigmas`, and more than others have; the
-/// worst first, eight at most.
+/// Free beacons with many arrivals beyond `rejection_sigmas`, and more than other beacons; worst first, at
+/// most eight.
 [[nodiscard]] std::vector<std::size_t> beacons_that_do_not_fit(const AdjustedLog& log,
                                                                double rejection_sigmas);
 
-/// The parameters with a beacon moved to place_of_largest_consensus() for the present states. No value if it
-/// is there already.
+/// Returns the parameters with a beacon moved to place_of_largest_consensus() for the present states. No
+/// value if it is there already.
 [[nodiscard]] std::optional<Eigen::VectorXd> with_beacon_of_larger_consensus(const Problem& problem,
                                                                              const AdjustedLog& log,
                                                                              std::size_t beacon,

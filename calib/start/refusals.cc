@@ -25,7 +25,7 @@ Solution interrupted_solution() {
 }
 
 std::optional<WeakDirection> missing_scale(const Problem& problem) {
-  // A length or speed known to this share of itself carries the scale.
+  // Relative accuracy of a length or speed that determines the scale.
   constexpr double kKnownScale = 0.15;
   const Site& site = problem.site;
   const double range_m = typical_range_m(problem), speed = speed_mps(site.medium);
@@ -97,7 +97,7 @@ Solution refused_poses(const Problem& problem, const std::vector<std::size_t>& b
   return refused(std::move(direction));
 }
 
-/// Share of the stops that hear at least three beacons.
+/// Share of the stops that receive at least three beacons.
 double share_of_stops_in_reach(const std::vector<Trajectory>& trajectories) {
   constexpr std::size_t kBeacons = 3;
   std::size_t stops = 0, in_reach = 0;
@@ -111,7 +111,7 @@ double share_of_stops_in_reach(const std::vector<Trajectory>& trajectories) {
   return static_cast<double>(in_reach) / static_cast<double>(std::max<std::size_t>(stops, 1));
 }
 
-/// A run of a vehicle that moves of which nothing says how; none where there is none.
+/// First run of a moving vehicle without information on its motion; no value if there is no such run.
 std::optional<std::size_t> run_without_motion(const Problem& problem) {
   for (std::size_t run = 0; run < problem.runs.size(); ++run) {
     const MeasurementLog& log = problem.runs[run];
@@ -123,7 +123,7 @@ std::optional<std::size_t> run_without_motion(const Problem& problem) {
   return std::nullopt;
 }
 
-/// All beacons are known, and still no pose comes of them.
+/// Refusal for known beacons from which no pose can be determined.
 Solution without_pose_among_known(const Problem& problem, const std::vector<Trajectory>& trajectories,
                                   const std::vector<std::size_t>& beacons) {
   constexpr double kMany = 0.25;

@@ -19,8 +19,8 @@ namespace octant::calib {
 /// A solution for data that do not determine a direction, with the remedy.
 [[nodiscard]] Solution refused(WeakDirection direction);
 
-/// Refusal if no pose of the vehicle was found, or, with all beacons fixed, none for most of the arrivals:
-/// the result would depend on the few that chance placed. No value if enough were found.
+/// Refusal if no pose of the vehicle was found, or, with all beacons fixed, no pose for most of the arrivals:
+/// the result would then depend on a few accidental ones. No value if enough were found.
 /// @param least_share  fraction of the arrivals of fixed beacons that must have a pose
 [[nodiscard]] std::optional<Solution> without_poses(const Problem& problem, const AdjustedLog& log,
                                                     double least_share);

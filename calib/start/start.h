@@ -21,9 +21,9 @@ struct Start {
   std::vector<std::string> warnings;
 };
 
-/// Initial values from what the site and the runs offer, nearest first: approximate beacons, measured poses
-/// (beacons by trilateration), then in turn vehicle states from the beacons found so far and beacons from the
-/// states found so far.
+/// Initial values from the data of the site and the runs, most direct first: approximate beacons, then
+/// measured poses (beacons by trilateration). After that it alternates between vehicle states from the
+/// beacons found so far and beacons from the states found so far.
 [[nodiscard]] Start initial_values(const Problem& problem, int threads = 1);
 
 /// Mirror image of a beacon's position that its ranges from the present states do not exclude, to scale_m; no

@@ -13,12 +13,11 @@
 
 namespace octant::calib {
 
-/// The drives of a log, read again for each look at them, piece by piece on several threads. Pieces
-/// share the states at which they are cut. Each reading holds these, solves for the states between them and
-/// eliminates them onto their two ends and the parameters; then the ends go, one after the other, which is a
-/// Gauss-Newton step of states and parameters together. Between the readings there remains where each state
-/// is (24 bytes in the plane) and what became of each arrival (one byte); ranks keep those of their own
-/// pieces and read no others, and tell each other of the ends.
+/// The drives of a log, read again in each pass, in pieces on several threads. Neighbouring pieces share the
+/// state between them. Each pass fixes these states, solves the others and eliminates them onto the two ends
+/// of each piece and the parameters. Then the ends are eliminated in order, which is a Gauss-Newton step of
+/// states and parameters together. Between passes, memory contains each state (24 bytes in the plane) and the
+/// mark of each arrival (one byte). Ranks store and read only their own pieces and exchange the ends.
 class DrivePasses : public LogReadings {
  public:
   DrivePasses(const ReadingTask& task, const DriveIndex& index);
@@ -31,17 +30,18 @@ class DrivePasses : public LogReadings {
   [[nodiscard]] Result<void> gather(const Estimate& estimate, FindingsGatherer& gatherer) override;
 
  private:
-  /// The ends behind pieces and what they were linearised with.
+  /// States at the ends of pieces and their linearisation.
   struct PieceEnds {
-    std::vector<Node> state;       ///< behind each piece
-    Eigen::VectorXd x;             ///< where that was done; empty: nowhere
+    std::vector<Node> state;       ///< state behind each piece
+    Eigen::VectorXd x;             ///< parameters of the linearisation; empty: there is none
     std::vector<EndChain> chains;  ///< ends of each chain
   };
   class JoinedEnds;
 
   template <class Do>
   Result<void> for_each_piece(bool widened, Do&& work);
-  /// Unknowns of a state, of whichever chain: all vehicles of a site move and keep time alike.
+  /// Number of unknowns of a state, the same for all chains, because all vehicles of a site have the same
+  /// kind of motion and clock.
   [[nodiscard]] int block_size() const { return like_.front().block_size(); }
   [[nodiscard]] bool is_mine(std::size_t piece) const { return piece >= first_ && piece < last_; }
   void extend_back(DriveWork& w) const;
