@@ -11,7 +11,7 @@ namespace octant {
 
 /// Kinds of information in the site file or the log that the data may contradict.
 enum class ContradictionKind {
-  kControlPoint,  ///< position of a beacon that is held fixed
+  kControlPoint,  ///< fixed position of a beacon
   kExchanged,     ///< positions of beacons that are swapped
   kBeacon,        ///< a beacon whose arrivals disagree with each other: late at some stops, early, or moved
   kSpeed,         ///< speed of the medium, prior of its offset, or temperature

@@ -51,7 +51,8 @@ std::string without_odometry(const std::string& words) {
   return kept;
 }
 
-/// The same points define the frame in both deployments; other observations of the scale do not move it.
+/// Returns true if the same points define the frame in both deployments; other observations of the scale do
+/// not move it.
 bool same_frame(const Datum& a, const Datum& b) {
   const std::set<std::string> points_a(a.control_points.begin(), a.control_points.end()),
       points_b(b.control_points.begin(), b.control_points.end());

@@ -144,7 +144,7 @@ void add_error(const ReferencedRun& run, Fix fix, Pose truth, Motion motion, Err
   }
 }
 
-/// How many poses of the reference have a fix within its largest gap.
+/// Number of reference poses with a fix within their largest gap.
 std::size_t covered_poses(const ReferencedRun& run) {
   std::vector<double> times_s;
   for (const Fix& fix : run.fixes)

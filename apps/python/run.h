@@ -7,7 +7,7 @@
 
 namespace octant::python {
 
-/// A recording with the names that its numbers stand for.
+/// A recording with the names of its ids.
 struct Run {
   MeasurementLog log;
   NameTable names;

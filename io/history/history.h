@@ -40,11 +40,11 @@ struct Visit {
   std::int64_t id = 0;  ///< number in the history, from 1
   VisitKind kind = VisitKind::kCalibration;
   std::string site;
-  std::int64_t happened_s = 0;    ///< seconds since 1970, UTC: when the deployment or the result was made
-  std::int64_t added_s = 0;       ///< time of its addition to the history
-  std::string digest;             ///< SHA-256 of the document's content; layout does not matter
-  std::string deployment_digest;  ///< digest of the deployment that the result belongs to; for a calibration,
-                                  ///< of its own
+  std::int64_t happened_s = 0;  ///< seconds since 1970, UTC: when the deployment or the result was made
+  std::int64_t added_s = 0;     ///< time of its addition to the history
+  std::string digest;           ///< SHA-256 of the document's content; layout does not matter
+  /// Digest of the deployment to which the result belongs; for a calibration, that of its own deployment
+  std::string deployment_digest;
   std::optional<std::array<double, 2>> temperature_degC;  ///< lowest and highest temperature of the recording
   std::optional<VisitSpeed> speed;                        ///< speed of a calibration
   std::string verdict;  ///< grade of a calibration; ok, gate_failed, ... of a result
@@ -72,8 +72,8 @@ struct Addition {
 };
 
 /// The visits to one or several sites in one SQLite file or in a PostgreSQL database. Several programs may
-/// read and write at the same time. Visits are on the disk when add() returns, and a program that is killed
-/// leaves all of an addition or no part of it.
+/// read and write at the same time. Visits are on the disk when add() returns. If a program is killed, an
+/// addition is stored completely or not at all.
 class History {
  public:
   /// @param path    of the file, or a connection string (postgresql://user@host/database) if this Octant was

@@ -41,7 +41,7 @@ bool read_level(CsvReader& csv, const ProfileColumns& columns, SpeedProfile::Lev
                      "a speed of sound above zero");
 }
 
-/// Whether the last level continues in the direction of the two before it.
+/// Returns true if the last level continues in the direction of the previous two.
 bool continues(const std::vector<SpeedProfile::Level>& levels) {
   const std::size_t n = levels.size();
   if (n < 2) return true;

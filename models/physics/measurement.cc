@@ -82,9 +82,9 @@ Eigen::Matrix<double, 1, 6> off_axis_by_pose(const OffAxis& off, const Leg& leg,
 /// Walk and log amplitude at a distance, for a given gain.
 struct Walk {
   double walk_s = 0.0, log_amplitude = 0.0;
-  double by_log_amplitude = 0.0;  ///< of the walk, s
-  double by_distance = 0.0;       ///< of the log amplitude, 1/m
-  double by_rise_time = 0.0;      ///< of the walk
+  double by_log_amplitude = 0.0;  ///< derivative of the walk [s]
+  double by_distance = 0.0;       ///< derivative of the log amplitude [1/m]
+  double by_rise_time = 0.0;      ///< derivative of the walk
   bool heard = true;
 };
 

@@ -9,8 +9,8 @@
 
 namespace octant {
 
-/// How the pose behind a step follows the one before it. In space a turn dphi in the vehicle's frame moves
-/// the end of the step by -R [s]x dphi, and is one of Rs' dphi in the frame behind the step.
+/// Derivative of the pose after a step by the pose before it. In space a turn dphi in the vehicle's frame
+/// moves the end of the step by -R [s]x dphi, and is a turn Rs' dphi in the frame after the step.
 template <int kDof>
 Eigen::Matrix<double, kDof, kDof> by_step(const Pose& T, const Pose& step) {
   Eigen::Matrix<double, kDof, kDof> F = Eigen::Matrix<double, kDof, kDof>::Identity();
@@ -24,7 +24,7 @@ Eigen::Matrix<double, kDof, kDof> by_step(const Pose& T, const Pose& step) {
   return F;
 }
 
-/// The step of a vehicle that keeps its velocity.
+/// Step of a vehicle with constant velocity.
 template <class Vector>
 Pose step_at(const Vector& velocity, double span_s) {
   if constexpr (Vector::RowsAtCompileTime == 3) {

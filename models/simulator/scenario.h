@@ -44,7 +44,7 @@ struct Scenario {
     std::vector<Eigen::Vector3d> stations;  ///< x [m], y [m], heading [rad]
   } path, heldout_path;                     ///< paths of the calibration run and of the validation run
   double range_m = 12.0;                    ///< maximum range of reception
-  double hearing_half_angle_rad = 3.2;      ///< of receivers with an axis; above pi: omnidirectional
+  double hearing_half_angle_rad = 3.2;      ///< limit for receivers with an axis; above pi: omnidirectional
   double echo_fraction =
       0.0;  ///< share of late arrivals; half of them because a beacon is shadowed for the whole epoch
   std::array<double, 2> echo_delay_s = {0.3e-3, 12.0e-3};  ///< bounds of a log-uniform distribution

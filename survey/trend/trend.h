@@ -63,7 +63,7 @@ struct Forecast {
   double earliest_s =
       0.0;  ///< if it is larger by two sigmas: before it no recalibration is needed for this quantity's sake
   std::optional<double>
-      latest_s{};  ///< the same for a drift that is smaller by two sigmas; no value without due_s
+      latest_s{};  ///< due time for a drift that is smaller by two sigmas; no value without due_s
 };
 /// @param limit  largest change that may be, of the quantity's unit; positive
 [[nodiscard]] Forecast forecast(const Drift& drift, double limit);

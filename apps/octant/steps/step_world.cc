@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The first thing in the folder that no world has, if any.
+/// First entry of the folder that no world has, if any.
 std::optional<fs::path> stranger_in(const fs::path& folder, const std::vector<std::string>& may_replace) {
   std::set<std::string> known = {"site.yaml", "scenario.yaml", "deployment.true.json", "run", "heldout"};
   known.insert(may_replace.begin(), may_replace.end());
@@ -52,7 +52,7 @@ void check_world_folder(const fs::path& folder, const std::vector<std::string>& 
                 "name an empty or a new folder");
 }
 
-/// A folder beside the one that it will replace; what killed processes left there is removed.
+/// Creates a folder next to the one that it will replace, and removes remains of killed processes.
 fs::path make_sibling(const fs::path& folder) {
   constexpr int kTries = 100;
   const fs::path parent = folder.has_parent_path() ? folder.parent_path() : fs::path(".");
@@ -63,7 +63,7 @@ fs::path make_sibling(const fs::path& folder) {
   for (int tries = 0; tries < kTries; ++tries) {
     fs::path sibling = io::staging_name(folder.string());
     if (::mkdir(sibling.c_str(), 0777) == 0) return sibling;
-    if (errno != EEXIST) break;  // else a process of the same number on another machine
+    if (errno != EEXIST) break;  // otherwise, a process with this number on another machine
   }
   fail_output(parent, std::strerror(errno), "choose a folder that can be written");
 }
@@ -81,8 +81,8 @@ void write_content(const fs::path& at, const World& world, std::string_view scen
   unless_interrupted([&] { return io::write_deployment(at / "deployment.true.json", world.truth); });
 }
 
-/// Moves every entry of `fresh` into `target`, what stood there before into `old`. The folder itself stays,
-/// as somebody may be standing in it.
+/// Moves every entry of `fresh` into `target`, and the previous entries into `old`. The folder itself
+/// remains, because it may be the current folder of a process.
 std::error_code exchange_content(const fs::path& fresh, const fs::path& target, const fs::path& old) {
   std::error_code error;
   std::vector<fs::path> names, before;

@@ -162,8 +162,8 @@ void check_truth(const std::vector<MeasurementLog>& runs);
                                                            const std::vector<MeasurementLog>& runs);
 /// The reason of most epochs without a fix, as the end of a sentence, with what to do.
 [[nodiscard]] std::string why_no_fix(const Localization& localization);
-/// That the fixes' stated sigmas do not hold: the mean NEES is beyond what it would be once in a thousand
-/// times even if all fixes shared one error (chi-square of a single fix). Empty where they may hold.
+/// Warning that the sigmas of the fixes are too small: the mean NEES exceeds its quantile of 99.9 % even if
+/// all fixes shared one error (chi-square of a single fix). Empty otherwise.
 [[nodiscard]] std::string doubt_of_sigmas(const survey::Evaluation& evaluation, Motion motion);
 /// Number of epochs without a fix, by reason.
 [[nodiscard]] Json no_fix_json(const Localization& localization);

@@ -18,7 +18,7 @@ namespace octant::app {
 [[nodiscard]] std::string in_words(const Change& change);
 /// "B3 is silent: 412 arrivals were expected, and 0 received".
 [[nodiscard]] std::string in_words(const Silence& silence);
-/// What to do about it.
+/// Advice for a change.
 [[nodiscard]] std::string remedy_of(const Change& change);
 
 /// Lines of a result: "changed", and each change with its p value.
