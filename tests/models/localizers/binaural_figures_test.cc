@@ -173,7 +173,7 @@ TEST_F(Laboratory, Figure11Turn) {
 TEST_F(Laboratory, Table1Obstruction) {
   Errors none, partial, full, both;
   for (int k = 0; k < 5; ++k) {
-    // Set up anew each time, to some centimetres and degrees.
+    // A new setup each time, accurate to some centimetres and degrees.
     const Pose truth = opposite(1.5 + random_.uniform(-0.05, 0.05), random_.uniform(-0.05, 0.05),
                                 random_.uniform(-4, 4) * kDegree);
     measure(truth, none);

@@ -83,7 +83,7 @@ struct Sonar {
   double amplitude_1m_v = 1.0;
   double absorption_np_per_m = 0.15;  // 1.3 dB/m at 50 kHz
   double threshold_v = 0.01;  // half of the first cycle's peak at 5 m: beyond, a receiver may miss a cycle
-                              // that the other hears
+                              // received by the other robot
   double noise_v = 0.0005;
   double rise_time_s = 30e-6;
   double carrier_hz = 49.4e3;
@@ -112,7 +112,7 @@ struct Sonar {
 };
 
 /// Rising edges of a comparator's train, up to one for each cycle of the burst: the first [s], and their mean
-/// phase within the carrier's period, taken on the circle, where an edge that was missed leaves it as it was.
+/// phase within the carrier's period, as a circular mean that a missed edge does not affect.
 struct Edges {
   int count = 0;
   double first_s = 0.0;
@@ -136,10 +136,9 @@ inline Edges rising_edges(std::span<const std::uint8_t> train, const Sonar& sona
   return edges;
 }
 
-/// Times of flight to two receivers from their trains (Shoval and Borenstein, figure 2): their mean from the
-/// first edges, good over any distance; their difference from the phase of all edges, good to a fraction of a
-/// sample but only within one period, of which the first edges tell the cycle. Nothing without a burst in
-/// either.
+/// Times of flight to two receivers from their trains (Shoval and Borenstein, figure 2). The first edges give
+/// their mean, valid over any distance. The phase of all edges gives their difference, accurate to a fraction
+/// of a sample within one period, and the first edges determine the cycle.
 inline std::optional<std::array<double, 2>> pulse_times_s(std::span<const std::uint8_t> left,
                                                           std::span<const std::uint8_t> right,
                                                           const Sonar& sonar) {
@@ -152,20 +151,20 @@ inline std::optional<std::array<double, 2>> pulse_times_s(std::span<const std::u
   return std::array<double, 2>{mean_s - difference_s / 2, mean_s + difference_s / 2};
 }
 
-/// Strength off a sonar's axis relative to that on it: 1 up to 10 degrees, a cosine's fall to nothing at 35.
+/// Strength off a sonar's axis relative to that on it: 1 up to 10 degrees, then a cosine down to zero at 35.
 inline double sonar_gain(double off_axis_rad) {
   const double share = (std::abs(off_axis_rad) - 10 * kDegree) / (25 * kDegree);
   return std::cos(std::clamp(share, 0.0, 1.0) * std::numbers::pi / 2);
 }
 
-/// What stands in the way of each link: strength that passes, and the way round.
+/// Obstacle on each link: transmitted strength, and length of the detour.
 struct Obstruction {
   std::array<double, 4> gain = {1, 1, 1, 1};
   std::array<double, 4> detour_m = {0, 0, 0, 0};
 };
 
-/// One measuring cycle of both robots, from bursts to arrivals. T may be tilted; beams weaken as `sonar_gain`
-/// says, at both ends, horizontally. Nothing where a train holds no burst.
+/// One measuring cycle of both robots, from bursts to arrivals. T may be tilted; beams weaken as in
+/// `sonar_gain`, at both ends, horizontally. A train without a burst gives no arrival.
 inline std::vector<Arrival> chirp(const Deployment& d, const Pose& T, const Sonar& sonar, Random& random,
                                   const Obstruction& way = {}) {
   std::vector<Arrival> out;

@@ -37,7 +37,7 @@ inline Drive drive(const Deployment& d, double seconds, double noise_s, double o
                         std::atan2(3.5 * 0.131 * std::cos(0.131 * t), 6.5 * 0.09 * std::cos(0.09 * t + 0.3)));
   };
   const double dt = 0.05;
-  // The pose between two odometry rows is what interpolation says, so that nothing but noise is off.
+  // The pose between two odometry rows is interpolated, so that noise is the only error.
   for (int k = 0; k * dt <= seconds; ++k) {
     const Pose T = at(k * dt);
     OdometryStep step{k * dt, 0, 0, 0, VehicleId(0)};

@@ -64,10 +64,10 @@ struct Hearing {
   double half_angle_rad = 1.178;  ///< 67.5 degrees, of receivers with an axis
   double noise_s = 0.0;
   double cycle_offset_s = 0.0;
-  std::optional<double> amplitude_sigma{};  ///< relative; none: not logged
+  std::optional<double> amplitude_sigma{};  ///< relative; no value: not logged
 };
 
-/// Arrivals of one stop: each beacon in its slot, each receiver that hears it.
+/// Arrivals of one stop: each beacon in its slot, at each receiver in reach.
 template <class Random>
 std::vector<Arrival> hear(const Deployment& d, const Pose& T, const Hearing& h, Random& random,
                           std::int64_t epoch = 0, double time_s = 0.0) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What the headings of Kleeman's array are worth: at his places, over his room, and against what is possible.
+// Accuracy of the headings of Kleeman's array: at his positions, over his room, and compared with the limit.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -56,7 +56,7 @@ std::ostream& operator<<(std::ostream& out, const Tally& t) {
              << ", squared error over variance " << t.nees() << ", least sigma " << t.least_sigma;
 }
 
-/// What is heard over the room.
+/// Receptions over the room.
 struct Circumstances {
   double half_angle_rad = 1.178;  // 67.5 degrees
   double echoes = 0.0;
@@ -124,7 +124,7 @@ TEST(KleemanHeadingFigures, HearingIsWithin10DegreesAtThePublishedPlaces) {
   EXPECT_LT(t.worst, 11.1);  // and 0.3 for the parallax of receivers 65 mm from the centre
 }
 
-/// What is possible where three receivers hear each beacon: the edges of all sectors are the beacons'
+/// Limit of the accuracy if three receivers receive each beacon. The edges of all sectors are the beacons'
 /// bearings modulo 45 degrees, and a heading is anywhere between two of them.
 double least_rms_over_the_room() {
   std::mt19937_64 random(kSeed);
@@ -155,7 +155,7 @@ TEST(KleemanHeadingFigures, HearingOverTheRoom) {
     EXPECT_NEAR(t.second.count, t.first.count, 8) << what << ": fixes";
     return t;
   };
-  // Of 2000 headings: the standard deviation of an rms is 1.6 %, of a share of 98 % 0.3 %.
+  // 2000 headings: the standard deviation of an rms is 1.6 %, of a share of 98 % 0.3 %.
   const auto [mean, hearing] = both("clean", {});
   EXPECT_LT(hearing.rms(), 3.9);
   std::cout << "possible: " << least_rms_over_the_room() << "\n";
@@ -176,7 +176,7 @@ TEST(KleemanHeadingFigures, HearingOverTheRoom) {
   EXPECT_LT(hearing_missed.nees(), 1.1) << "sigma knows of receivers that miss a pulse";
 }
 
-/// Nothing is assumed of how wide a receiver hears: two or three, three or four of them may.
+/// The width of reception is not assumed: two or three, three or four receivers may receive a beacon.
 TEST(KleemanHeadingFigures, HearingHoldsForAnyHalfAngle) {
   for (const double half_angle_deg : {50.0, 60.0, 75.0, 82.0}) {
     const Circumstances c{.half_angle_rad = half_angle_deg * kDegree, .echoes = 0.1};
@@ -217,8 +217,8 @@ double bound_rad2(const Deployment& d, const Pose& truth, const std::vector<Arri
   return information.inverse()(2, 2);
 }
 
-/// 1.3 degrees a cycle at 10 us, and a quarter of that at 2.5 us, are all that an octagon of 50 mm sides can
-/// tell.
+/// 1.3 degrees a cycle at 10 us, and a quarter of that at 2.5 us, are the limit of an octagon with sides of
+/// 50 mm.
 TEST(KleemanHeadingFigures, InterpolationReachesTheBound) {
   for (const double noise_s : {kPrototypeSigma_s, 2.5e-6}) {
     std::mt19937_64 random(kSeed + 1);
@@ -266,9 +266,9 @@ TEST(KleemanHeadingFigures, InterpolationIsWithinADegree) {
   EXPECT_NEAR(echoes.nees(), 1.0, 0.12);
 }
 
-/// Directional receivers: what the amplitudes add, at 10 us, one arrival in ten an echo. In the very middle
-/// of the room corners and walls are alike modulo 45 degrees, so which is louder is all that tells: 11.25
-/// degrees either way.
+/// Directional receivers: information from the amplitudes, at 10 us, with one arrival in ten an echo. In the
+/// centre of the room corners and walls are alike modulo 45 degrees, so only the comparison of amplitudes is
+/// informative: 11.25 degrees either way.
 TEST(KleemanHeadingFigures, AmplitudesBringBothWithinTheirMarks) {
   std::mt19937_64 random(kSeed + 3);
   const Deployment d = test::directional_room();

@@ -42,8 +42,8 @@ inline Deployment kleeman_room(double beacon_height_m = 2.0) {
   return with_octagon(d);
 }
 
-/// The same with his receivers and his pulses (section 2.3): 3 dB at 22.5 degrees, 12.5 V at 1 m, a threshold
-/// of 0.2 V.
+/// His room with his receivers and pulses (section 2.3): 3 dB at 22.5 degrees, 12.5 V at 1 m, a threshold of
+/// 0.2 V.
 inline Deployment directional_room() {
   Deployment d = kleeman_room();
   d.attenuation = AttenuationModel{.amplitude_1m_v = 12.5,
@@ -61,7 +61,7 @@ struct PublishedSpread {
 inline constexpr std::array<PublishedSpread, 3> kPublished = {
     {{4.223, 7.902, 8.0e-3, 11.0e-3}, {4.003, 4.892, 6.8e-3, 4.3e-3}, {7.339, 5.885, 8.5e-3, 5.5e-3}}};
 
-/// Echoes as Octant's simulator makes them: half of them a beacon in a shadow, which all receivers hear late,
+/// Echoes as in Octant's simulator: half of them from a beacon in a shadow, which is late at all receivers,
 /// half of them single arrivals; log-uniform from 0.3 to 12 ms (0.1 to 4 m).
 template <class Random>
 void add_echoes(std::vector<Arrival>& arrivals, double fraction, Random& random) {
@@ -90,14 +90,14 @@ inline Fix locate(Kleeman& kleeman, const std::vector<Arrival>& arrivals) {
   return kleeman.locate(Observations{arrivals, {}});
 }
 
-/// Of x, y, and the heading.
+/// Standard deviations of x, y, and the heading.
 inline Eigen::Vector3d error_of(const Fix& fix, const Pose& truth) {
   Eigen::Vector3d e = fix.T_map_vehicle.translation_m - truth.translation_m;
   e[2] = wrap_angle(fix.T_map_vehicle.heading_rad() - truth.heading_rad());
   return e;
 }
 
-/// Cycles in turn take no memory once the first rejections have room.
+/// Consecutive cycles allocate no memory after the first rejections.
 inline void expect_no_allocations(Kleeman& kleeman, const std::vector<std::vector<Arrival>>& cycles) {
   std::size_t most = 0;
   for (const auto& arrivals : cycles) most = std::max(most, arrivals.size());

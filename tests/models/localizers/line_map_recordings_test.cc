@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Public recordings of laser scans in buildings that lie beside the repository. Skipped where they are
-// absent.
+// Public recordings of laser scans in buildings, stored next to the repository. Skipped if they are absent.
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
@@ -95,10 +94,10 @@ class ScanRecordings : public testing::Test {
   }
 };
 
-// The reference is a mapping program's own, good to some centimetres; odometry alone is off by 9.9, 25.8
-// and 9.3 m (EXPECTED.md). Limits: a tenth of a metre in the middle (scans were matched to 0.03 m against the
-// reference by an independent program), and a fiftieth of odometry's error, or a thirtieth along the
-// corridor, where for long stretches no wall tells the way.
+// The reference is a mapping program's result, accurate to some centimetres; odometry alone has errors of
+// 9.9, 25.8 and 9.3 m (EXPECTED.md). Limits: a median of a tenth of a metre (scans were matched to 0.03 m
+// against the reference by an independent program), and a fiftieth of odometry's error, or a thirtieth along
+// the corridor, where over long distances no wall determines the position along it.
 TEST_F(ScanRecordings, Aces) {
   const auto [with, without] = run("carmen-aces");
   EXPECT_NEAR(without.rmse_m, 9.90, 0.1 * 9.90);

@@ -9,7 +9,7 @@
 
 namespace octant::test {
 
-/// Distance of a fix from the held-out truth at its time, in the plane [m].
+/// Distance of a fix from the validation truth at its time, in the plane [m].
 inline double off_truth_m(const World& world, const Fix& fix) {
   Pose truth;
   EXPECT_TRUE(interpolate_poses(world.heldout.truth, fix.time_s, 1.0, truth));

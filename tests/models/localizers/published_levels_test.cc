@@ -20,8 +20,8 @@ namespace octant::test {
 namespace {
 
 constexpr double kFault_s = 0.3 / 343.7, kNoise_s = 1e-5;
-/// With a beacon at fault a fix lies beyond its level with at most exp(-k^2 / 2), k = kFaultySigmas: 5e-4. Of
-/// so many fixes one in 2,000 does, and more than that of chance once in 1e5 (Poisson).
+/// With a faulty beacon a fix exceeds its level with a probability of at most exp(-k^2 / 2), k =
+/// kFaultySigmas: 5e-4. Here one fix in 2,000 does, and by chance more only once in 1e5 (Poisson).
 constexpr int kFixes = 20'000, kMostBeyond = 25;       // of 10
 constexpr int kLabelled = 4'000, kMostLabelled = 10;   // of 2
 constexpr int kUnlabelled = 400, kMostUnlabelled = 3;  // of 0.2

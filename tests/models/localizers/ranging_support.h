@@ -35,7 +35,7 @@ inline Deployment ranging_site(const std::vector<Eigen::Vector3d>& beacons_m,
   return d;
 }
 
-/// What people call the fix's error over what it says of it: e' C^-1 e of (x, y, heading).
+/// Normalised squared error (NEES) of a fix: e' C^-1 e of (x, y, heading).
 inline double nees(const Fix& fix, const Pose& truth) {
   Eigen::Vector3d e;
   e << (fix.T_map_vehicle.translation_m - truth.translation_m).head<2>(),

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Public recordings of bearings that lie beside the repository. Skipped where they are absent.
+// Public recordings of bearings, stored next to the repository. Skipped if they are absent.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>

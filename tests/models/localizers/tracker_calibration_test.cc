@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What does not average out along a drive: the calibration's errors, those that a pair keeps, those that last
-// for a while.
+// Errors that do not average out along a drive: the calibration's, constant ones of a pair, and lasting ones.
 #include <cmath>
 #include <iostream>
 #include <map>
@@ -27,7 +26,7 @@ using test::with_receiver;
 
 constexpr double kStep_s = 0.1, kBeacon_m = 0.03, kSpeed_mps = 0.5;
 
-/// What beacons and speed are off by is in the joint covariance.
+/// Errors of beacons and speed are in the joint covariance.
 Deployment uncertain_hall() {
   Deployment d = with_receiver(hall(), {0.2, 0.0, 0.3});
   JointCovariance& joint = d.covariance;
@@ -185,7 +184,7 @@ TEST(TrackerCalibration, StopsWithOdometryBetweenThemAreTracked) {
     const Pose& T = truth[static_cast<std::size_t>(fix.epoch)];
     EXPECT_LT((fix.T_map_vehicle.translation_m - T.translation_m).norm(), 0.05);
   }
-  // One beacon an epoch: alone none of them is a fix.
+  // One beacon in each epoch: a single epoch is not sufficient for a fix.
   const auto alone = locate_run(Method::kLeastSquares, d, log);
   ASSERT_TRUE(alone.has_value());
   for (const Fix& fix : *alone) EXPECT_FALSE(fix.ok());
@@ -225,7 +224,7 @@ TEST(CorrelatedArrivals, TheMeanOfAPairIsNoBetterThanWhatItShares) {
   EXPECT_EQ(t.arrivals.front().sigma_s, single_s);
 }
 
-/// Three ranges that fit, three bearings of which the heading meets one: a mirror image, no fix.
+/// Three ranges agree, and the heading matches one of three bearings: a mirror image, no fix.
 TEST(LeastSquares, MostBearingsAgainstAPoseAreNoFix) {
   Deployment d = with_receiver(hall(4), {0.0, 0.0, 0.3});
   std::mt19937_64 random(76);

@@ -77,8 +77,8 @@ TEST(Circles, ThatDoNotMeetGiveNothing) {
 }
 
 TEST(Height, LengthensRanges) {
-  // Section 4.1: 0.25 m at 1.5 m make the range 20.7 mm longer; taken as it is, that is the error, inside the
-  // paper's 4 cm.
+  // Section 4.1: 0.25 m at 1.5 m make the range 20.7 mm longer. Without a correction this is the error,
+  // within the paper's 4 cm.
   EXPECT_NEAR(std::hypot(1.5, 0.25) - 1.5, 0.0207, 5e-5);
   EXPECT_NEAR(*level_range_m(std::hypot(1.5, 0.25), 0.25), 1.5, 1e-15);
   EXPECT_FALSE(level_range_m(0.2, 0.25));
@@ -205,7 +205,7 @@ TEST(Binaural, CovarianceIsConsistent) {
   EXPECT_LT(cost, test::chi2_quantile(0.999, count));
 }
 
-/// A calibration drawn anew each time, of the accuracy that the deployment states.
+/// A new random calibration each time, with the accuracy in the deployment.
 TEST(Binaural, CovarianceHoldsTheCalibration) {
   std::cout << "seed " << kSeed + 1 << "\n";
   Random random(kSeed + 1);
@@ -305,7 +305,7 @@ TEST(Binaural, AveragesRepeatedArrivalsAndLeavesOthers) {
   EXPECT_EQ(twice.arrivals_used, 8);
   EXPECT_EQ(twice.arrivals_rejected, 2);
   EXPECT_EQ(twice.rejections.back(), Rejection::kNotNeeded);
-  // Variances halve, but for the slightly different place at which they are taken.
+  // Variances halve, except for the slightly different position at which they are computed.
   EXPECT_NEAR(twice.covariance(1, 1) / once.covariance(1, 1), 0.5, 0.01);
 }
 

@@ -16,8 +16,8 @@ namespace {
 constexpr std::uint64_t kCalibrationSeed = 416;
 constexpr double kPairSigma_s = 4e-6;
 
-/// A drive whose states stand at the truth, and its information in full: H of all states, G of their coupling
-/// to the calibrated parameters, g of that to a bias of each pair.
+/// A drive with its states at the truth, and its full information: H of all states, G of their coupling to
+/// the calibrated parameters, g of their coupling to a bias of each pair.
 struct DenseDrive {
   Deployment d = with_octagon(hall());
   Drive drive = test::drive(d, 6.0, 1e-5, 1.0, kCalibrationSeed);

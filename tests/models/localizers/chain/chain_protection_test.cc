@@ -18,7 +18,8 @@ constexpr TrackerOptions kProtected{.protect = true};
 
 double horizontal_sigma_m(const Fix& fix) { return std::sqrt(horizontal_variance(fix.covariance)); }
 
-// Against whole solutions: the drive localized again, of one beacon after the other nothing but far echoes.
+// Comparison with complete solutions: the drive is localized again with far echoes only from one beacon after
+// the other.
 TEST(ChainProtection, IsTheFarthestOfTheDrivesWithoutABeacon) {
   World world = must(simulate(drive_scenario(40.0), 5));
   for (Arrival& a : world.heldout.arrivals)
@@ -81,7 +82,7 @@ TEST(ChainProtection, ChangesNoFixAndIsNotThereUnasked) {
   }
 }
 
-// One beacon alone with odometry places a drive along its way; without it nothing does.
+// A single beacon determines a drive along its path by odometry; without odometry it does not.
 TEST(ChainProtection, NoLevelWhereADriveHangsOnOneBeacon) {
   World world = must(simulate(drive_scenario(60.0), 9));
   std::erase_if(world.heldout.arrivals, [](const Arrival& a) { return a.beacon.value != 1; });

@@ -103,7 +103,8 @@ TEST(ChainWindows, AgreeWithTheRecursionOfASingleNode) {
   ASSERT_TRUE(solve_by_windows(w.t, w.segment(), w.model.state, std::span(&variant, 1), 1, 20).front());
 }
 
-/// About one beacon a drive may be turned: nothing of that is visited, and what two beacons determine is.
+/// A drive can rotate about a single beacon, so its windows are not visited; windows that two beacons
+/// determine are.
 TEST(ChainWindows, WhatIsNotDeterminedIsNotVisited) {
   WholeDrive w;
   for (ArrivalObservation& a : w.t.arrivals)

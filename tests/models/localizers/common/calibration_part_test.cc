@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What a calibration leaves uncertain of a fix: against a fix that is solved anew for other parameters.
+// The calibration's part of a fix's covariance, compared with a fix that is solved again for other
+// parameters.
 #include "models/localizers/common/calibration_part.h"
 
 #include <cmath>
@@ -55,7 +56,7 @@ struct Stop {
                                                                                                     : 3e-6;
   }
   void solve_states() { octant::solve_states(t, t.segments[0], state, {}, 50); }
-  /// The pose that is found where the parameters are off by so much.
+  /// Pose of the fix when the parameters have these errors.
   [[nodiscard]] Eigen::VectorXd pose_for(const Eigen::VectorXd& off) const {
     Stop other = *this;
     for (std::size_t k = 0; k < d.covariance.parameters.size(); ++k) {
@@ -81,8 +82,9 @@ TEST(CalibrationPart, IsHowTheFixFollowsTheParameters) {
     by.col(k) = (stop.pose_for(e) - stop.pose_for(-e)) / (2 * step);
   }
   const Eigen::Matrix3d want = by * stop.d.covariance.matrix * by.transpose();
-  // Gauss and Newton leave the residuals' curvature out: noise of 3 mm at distances of metres; a solved
-  // state is good to a ten-thousandth of its sigma. And the unknown heading's pi^2 is nothing beside it.
+  // Gauss-Newton ignores the curvature of the residuals: noise of 3 mm at distances of metres. A solved state
+  // is accurate to a ten-thousandth of its sigma. The effect is negligible relative to pi^2 of the unknown
+  // heading.
   EXPECT_LT((P - before - want).cwiseAbs().maxCoeff(), 0.02 * want.cwiseAbs().maxCoeff());
   EXPECT_GT(want(0, 0), 1e-7) << "a millimetre or so is no rounding";
 }
@@ -110,8 +112,8 @@ TEST(CalibrationPart, OfBeaconsThatWereNotHeardIsNone) {
   EXPECT_EQ(P, PoseCovariance(Eigen::Matrix3d::Identity()));
 }
 
-// A shift of the whole map of a metre, known together to a millimetre: what rounding leaves of it must not
-// make a covariance that is none.
+// A shift of the whole map by a metre, with relative positions known to a millimetre: rounding must not make
+// the covariance indefinite.
 TEST(CalibrationPart, LeavesAPositiveCovarianceWhereNearlyAllCancels) {
   Stop stop;
   JointCovariance joint;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What a robot feeds in can be wrong, never undefined: every localizer, the watch and whole recordings with
-// ids that are none of the deployment's and numbers that nothing can have. Run with the sanitizers too.
+// Input of a robot can be wrong, but never causes undefined behaviour: every localizer, the watch and whole
+// recordings with unknown ids and impossible numbers. Also run with the sanitizers.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -92,7 +92,7 @@ rc::Gen<Bearing> some_bearing() {
       rc::gen::set(&Bearing::epoch, rc::gen::just<std::int64_t>(0)));
 }
 
-/// Of a hall, at a pose, by all receivers.
+/// Arrivals in a hall, at a pose, at all receivers.
 std::vector<Arrival> perfect_arrivals(const Deployment& d, const Pose& T) {
   std::vector<Arrival> arrivals;
   for (std::size_t b = 0; b < d.beacons.size(); ++b)
@@ -210,7 +210,7 @@ TEST(KnownIds, EachMethodFixesOnBesideAnImpossibleTime) {
   }
 }
 
-/// A tenth of a drive's times are impossible, and its last instant is none.
+/// A tenth of a drive's times, and its last time stamp, are impossible.
 TEST(KnownIds, AWholeDriveIsFixedOnBesideImpossibleNumbers) {
   const Deployment d = with_octagon(hall());
   const Drive w = drive(d, 40, 1e-5, 1.0, 43);

@@ -31,7 +31,7 @@ TEST(PairRanges, AreTheMeansOfTheTimesThatAgree) {
   Deployment d = three_beacons();
   d.noise.pair_sigma_s = 2e-5;
   PairRanges ranges(d);
-  // Of beacon 1 at receiver 0: 5.000, 5.002, and an echo; the others once, out of order.
+  // Beacon 1 at receiver 0: 5.000, 5.002, and an echo; the others once, out of order.
   const std::vector<Arrival> arrivals = {at(2, 1, 7.0, 0.0),   at(1, 0, 5.0, 0.1), at(1, 0, 5.5, 0.2),
                                          at(1, 0, 5.002, 0.3), at(0, 1, 4.0, 0.4), at(0, 0, 4.1, 0.5)};
   std::vector<Rejection> why;

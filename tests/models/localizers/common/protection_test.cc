@@ -37,8 +37,7 @@ TEST(Protection, HoldsWithoutFaultsAndIsMoreThanNoise) {
   EXPECT_GT(protected_fixes, 250);
 }
 
-// What the separations say is what fixes without the beacon come to: the same distance and, as squares, the
-// same rise.
+// Separations equal those of fixes without the beacon: the same distance and, squared, the same increase.
 TEST(Protection, SeparationsAreThoseOfFixesWithoutTheBeacon) {
   World world = must(simulate(many_stops(), 5));
   const EpochFixModel model = epoch_fix_model(world.truth);
@@ -120,9 +119,9 @@ TEST(Protection, ABeaconAtFaultTakesTheLevelFromTheFix) {
   EXPECT_EQ(degraded, without({}));
 }
 
-// A beacon late by 3.6 sigmas in a hall whose paths are off by 20 us as a rule: by chance, where arrivals had
-// errors of their own, never; as the deployment says that they last, and receivers share them, one in some
-// thousand.
+// A beacon is late by 3.6 sigmas in a hall whose paths have errors of 20 us. With independent errors this
+// never happens by chance. With the deployment's lasting errors, shared by receivers, it happens once in
+// about a thousand.
 TEST(Protection, ErrorsThatLastAreNoFault) {
   Scenario all_round = many_stops();
   all_round.hearing_half_angle_rad = 3.2;
@@ -143,8 +142,8 @@ TEST(Protection, ErrorsThatLastAreNoFault) {
   EXPECT_EQ(excluded(10e-6, 0.0, 20e-6), 0);
 }
 
-// Three beacons tell that one of them is wrong and not which; where all but one are off by something else,
-// the others do not agree without any two of them. There is a fix as if nobody were left out, and no level.
+// With three beacons a fault is detectable but not identifiable. If all but one have some other error, the
+// others disagree without any two of them. The fix then uses all, and there is no level.
 TEST(Protection, WhereNobodyCanTellWhoIsAtFaultAllStayInUse) {
   Scenario all_round = many_stops();
   all_round.hearing_half_angle_rad = 3.2;
@@ -191,7 +190,7 @@ TEST(Protection, HoldsWithOneBeaconAtFault) {
 TEST(Protection, TwoBeaconsCannotWatchEachOther) {
   World world = must(simulate(many_stops(), 3));
   std::erase_if(world.heldout.arrivals, [](const Arrival& a) { return a.beacon.value > 1; });
-  // The heading alone connects them, over an array of 65 mm: metres, or none at all.
+  // Only the heading connects them, over an array of 65 mm: the level is metres, or there is no level.
   for (const Fix& fix : LeastSquaresLocalizer(world.truth).locate(world.heldout))
     EXPECT_TRUE(fix.protection_level_m == 0.0 || fix.protection_level_m > 0.5)
         << fix.epoch << " " << fix.protection_level_m;

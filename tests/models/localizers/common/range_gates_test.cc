@@ -52,7 +52,7 @@ TEST(RangeGates, ASpuriousSignalOutOfRangeStartsNoTrain) {
 }
 
 TEST(RangeGates, ASecondFiringIsNoReflection) {
-  // The same distance 50 ms later: 17 m behind.
+  // An equal distance 50 ms later: 17 m behind.
   EXPECT_EQ(judge({signal(0, 3.0), signal(0, 3.0, 0.05), signal(0, 3.3, 0.05)}),
             (std::vector{kUsed, kUsed, kEcho}));
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// The covariance of a method's pose against one Jacobian of everything that its ranges hang on.
+// Covariance of a method's pose, compared with one Jacobian of everything on which its ranges depend.
 #include "models/localizers/common/range_propagation.h"
 
 #include <cmath>
@@ -15,7 +15,7 @@
 namespace octant::test {
 namespace {
 
-/// A hall of which nothing is known exactly, and some ranges of a method that turns them into a pose.
+/// A hall in which no parameter is exact, and some ranges of a method that converts them to a pose.
 struct Method {
   Deployment d = with_receiver(with_receiver(hall(5), {0.4, 0.1, 0.3}), {-0.3, 0.2, 0.5});
   Pose T;

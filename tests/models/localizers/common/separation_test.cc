@@ -16,7 +16,7 @@ namespace {
 struct LinearProblem {
   Eigen::MatrixXd J;
   Eigen::VectorXd r;
-  std::vector<int> beacon;  ///< of each row; -1: none
+  std::vector<int> beacon;  ///< group of each row; -1: no group
 
   explicit LinearProblem(std::uint64_t seed) {
     Random random(seed, 1);

@@ -34,7 +34,8 @@ struct Levels {
   double largest_m = 0.0;
 };
 
-/// Of the causal filter, with the times of a beacon off by that many seconds so long after the start.
+/// Fixes of the causal filter, with the times of a beacon changed by this number of seconds from some time
+/// after the start.
 template <class Fault>
 Levels levels_with(World world, BeaconId at_fault, Fault&& late_s) {
   for (Arrival& a : world.heldout.arrivals)
@@ -115,7 +116,7 @@ TEST(BeaconBank, BlamesNoGoodBeaconInSpace) {
   }
 }
 
-/// That hall with some of its beacons, heard everywhere.
+/// This hall with some of its beacons, received everywhere.
 World flight_among(const std::vector<std::size_t>& beacons, std::uint64_t seed) {
   Scenario s = flight_among_all_heights(30.0);
   std::vector<SiteBeacon> some;

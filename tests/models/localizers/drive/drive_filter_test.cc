@@ -246,7 +246,7 @@ TEST(DriveFilter, ConsidersTheCalibrationAsOneCovarianceOfAllDoes) {
   EXPECT_LT(
       (vector_of(filter.pose()) - dense.x).cwiseQuotient(want.diagonal().cwiseSqrt()).cwiseAbs().maxCoeff(),
       1e-2);
-  // It stays in what is stated: far more than the noise of so many arrivals.
+  // It remains in the covariance, far above the noise averaged over that number of arrivals.
   DriveFilter believing(hall.model, 10.0, 0.0);
   believing.start(kTruth, 0.01 * start_covariance());
   for (const ArrivalObservation& a : hall.t.arrivals) static_cast<void>(believing.update(hall.t, a));

@@ -118,8 +118,8 @@ void expect_update_as_least_squares() {
   filter.start(T, P);
   for (const ArrivalObservation& a : t.arrivals) ASSERT_EQ(filter.update(t, a), Rejection::kUsed);
 
-  // All at once, by numeric derivatives of the distances at the start: the filter's own are taken within some
-  // millimetres of it, which bends a direction over four metres by a thousandth.
+  // All at once, by numeric derivatives of the distances at the start. The filter computes its own within
+  // some millimetres of it, which changes a direction over four metres by a thousandth.
   typename Filter::Covariance information = P.inverse();
   typename Filter::Vector gradient = Filter::Vector::Zero();
   for (std::size_t i = 0; i < arrivals.size(); ++i) {

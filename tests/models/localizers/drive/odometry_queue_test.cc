@@ -18,7 +18,7 @@ OdometryStep row(double time_s, double dx_m = kRow_s * kSpeed_mps) {
 
 OdometryQueue queue() { return {OdometryAccuracy{}, Motion::kPlanar, std::nullopt}; }
 
-/// What a queue gives out.
+/// Output of a queue.
 struct Way {
   double moved_m = 0.0, coasted_s = 0.0;
   void advance(OdometryQueue& queue, double time_s) {
@@ -41,7 +41,7 @@ TEST(OdometryQueue, GivesRowsInTheOrderOfTimeAndPartsOfThem) {
   EXPECT_FALSE(q.insert(row(0.35))) << "past";
 }
 
-/// Twenty rows, then so many are missing.
+/// Twenty rows, then this number of missing ones.
 OdometryQueue with_gap(int missing) {
   OdometryQueue q = queue();
   for (int k = 0; k <= 20; ++k) EXPECT_TRUE(q.insert(row(kRow_s * k)));

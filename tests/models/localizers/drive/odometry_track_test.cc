@@ -51,7 +51,7 @@ RC_GTEST_PROP(AdvanceState, CarriesTheCovarianceByItsDerivative, ()) {
   advance(exact, step, none, fraction);
   const Eigen::Matrix3d want = F * state.covariance * F.transpose();
   RC_ASSERT((exact.covariance - want).cwiseAbs().maxCoeff() < 1e-8 * want.cwiseAbs().maxCoeff());
-  // Noise as stated: of a whole step by its length, turn and floor; of a part in proportion.
+  // Noise: of a whole step by its length, turn and floor; of a part in proportion.
   const OdometryAccuracy accuracy{.distance_sigma_m_per_sqrt_m = 0.05,
                                   .heading_sigma_rad_per_sqrt_m = 0.03,
                                   .heading_sigma_per_rad = 0.2,

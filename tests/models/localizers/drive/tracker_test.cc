@@ -46,8 +46,8 @@ TEST(Tracker, FollowsADriveFromAnUnknownStart) {
   ASSERT_GT(count, 500);
   // Two beacons within 0.1 s give 5 mm; smoothing over the drive does better than that.
   EXPECT_LT(std::sqrt(sum2 / count), 0.005);
-  // Neighbouring states share their errors: some 60 s over a correlation of 2 s leave 30 independent ones,
-  // three sigma of whose mean (3 + 3 sqrt(6 / 30)) are taken on either side.
+  // Neighbouring states have correlated errors: about 60 s with a correlation time of 2 s contain 30
+  // independent ones. The limits are three sigmas of their mean (3 + 3 sqrt(6 / 30)) on either side.
   EXPECT_NEAR(nees / count, 3.0, 1.35);
 }
 
@@ -66,7 +66,7 @@ TEST(Tracker, CausalFixesUseOnlyThePast) {
   const Deployment d = with_octagon(hall());
   Drive w = drive(d, 40, 1e-5, 1.0, 33);
   const std::vector<Fix> whole = track(w.log, d, {.smooth = false});
-  // The same drive cut short: what was said before the cut must not change.
+  // A shortened drive: fixes before the cut must not change.
   Drive cut = w;
   std::erase_if(cut.log.arrivals, [](const Arrival& a) { return a.time_s > 20; });
   std::erase_if(cut.log.odometry, [](const OdometryStep& s) { return s.time_s > 20.2; });
@@ -86,7 +86,7 @@ TEST(Tracker, CausalFixesUseOnlyThePast) {
             0.008);  // a filter lacks the future half of what a smoother has: sqrt 2, and its start
 }
 
-/// One receiver on the axis: only the odometry's turns tell the heading.
+/// One receiver on the axis: only the turns of the odometry determine the heading.
 TEST(Tracker, SingleReceiverNeedsAndGetsAWay) {
   const Deployment d = with_receiver(hall(), {0, 0, 0.3});
   const Drive w = drive(d, 60, 3e-5, 1.0, 34);
@@ -112,7 +112,7 @@ TEST(Tracker, EchoesAndAKidnapping) {
   std::uniform_real_distribution<double> uniform(0, 1);
   for (Arrival& a : w.log.arrivals)
     if (uniform(random) < 0.2) a.tof_s += 1e-3 + 8e-3 * uniform(random);
-  // The wheels slip by 2 m and half a turn, unsaid: the filter gets lost and has to be placed anew.
+  // The wheels slip by 2 m and half a turn without notice: the filter is lost and must find the pose again.
   w.log.odometry[600].dx_m += 2.0;
   w.log.odometry[600].dheading_rad += 2.5;
   const std::vector<Fix> fixes = track(w.log, d, {.smooth = false});

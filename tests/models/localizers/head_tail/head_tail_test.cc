@@ -90,7 +90,7 @@ TEST(HeadTail, IsExactWithoutNoise) {
       const Fix fix = localizer.locate({.arrivals = arrivals, .bearings = {}});
       expect_pose(fix, truth);
       EXPECT_EQ(fix.epoch, 7);
-      // Right below a station (15 cm) its range tells nothing, and is not used.
+      // Right below a station (15 cm) its range is not informative, and is not used.
       EXPECT_GE(fix.arrivals_used, static_cast<int>(2 * heard.size()) - 2);
       EXPECT_EQ(fix.rejections.size(), arrivals.size());
     });
@@ -119,7 +119,7 @@ TEST(HeadTail, TwoStationsGiveEitherSideOfTheBaseLine) {
 }
 
 TEST(HeadTail, TheKnownLengthTellsTheTailsSide) {
-  // The head hears three stations, the tail two: its mirror image would be too far from the head.
+  // The head receives three stations, the tail two: its mirror image would be too far from the head.
   const Deployment d = floor_site();
   const Pose truth = Pose::planar(3.1, 2.2, 0.4);
   std::vector<Arrival> arrivals = arrivals_at(d, truth);
@@ -190,8 +190,8 @@ TEST(HeadTail, WithNoiseItStaysWithinItsGeometrysBound) {
   // Two-sided at 0.1 %.
   EXPECT_GT(sum, test::chi2_quantile(0.0005, 3 * kFixes));
   EXPECT_LT(sum, test::chi2_quantile(0.9995, 3 * kFixes));
-  // The position takes nothing from the known distance between the ends, which the bound does; here that is
-  // worth 2 % at most.
+  // The position does not use the known distance between the ends, but the bound does; here that is worth 2 %
+  // at most.
   EXPECT_LT(stated2, 1.04 * bound2);
 }
 

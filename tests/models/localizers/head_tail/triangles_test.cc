@@ -126,7 +126,7 @@ double worst_sigmas_from_least_squares(double noise_sigmas) {
   return worst;
 }
 
-/// Nothing is lost to first order: a tenth of the noise leaves a hundredth of the distance.
+/// There is no first-order effect: a tenth of the noise changes the distance by a hundredth.
 TEST(Triangles, TogetherTheyAreLeastSquaresToFirstOrder) {
   const double coarse = worst_sigmas_from_least_squares(1.0), fine = worst_sigmas_from_least_squares(0.1);
   EXPECT_LT(coarse, 0.5);

@@ -24,7 +24,7 @@ using test::kPrototypeSigma_s;
 constexpr std::uint64_t kSeed = 1990;
 constexpr double kDegree = M_PI / 180;
 
-/// An octagon at a place, and what it hears, without times.
+/// An octagon at a position and its arrivals, without times.
 struct Listening {
   std::vector<Eigen::Vector3d> beacons;
   std::vector<ArrayReceiver> receivers;
@@ -51,7 +51,7 @@ struct Listening {
     }
     return *this;
   }
-  /// Heard by receivers of an array that is directional, so loud.
+  /// Amplitudes at the receivers of a directional array.
   Listening& hear_loud(std::size_t beacon, std::initializer_list<std::pair<std::size_t, double>> by) {
     attenuation.half_power_angle_rad = 0.3927;
     for (const auto& [receiver, amplitude] : by) {
@@ -100,8 +100,8 @@ TEST(KleemanHeading, OneBeaconLeavesASector) {
   expect("one is late", axis - 22.5 + 11.25, 67.5 / std::sqrt(12.0));
 }
 
-/// Of two receivers that hear, the louder is the nearer: its half of the sector. A difference within noise
-/// says nothing.
+/// If two receivers receive a beacon, the louder one is nearer: the heading is in its half of the sector. A
+/// difference within noise is not informative.
 TEST(KleemanHeading, TheLouderReceiverIsTheNearer) {
   Listening l;
   l.beacons = {{5, 0, 0.3}};
@@ -167,7 +167,7 @@ TEST(KleemanHeading, TheGainsDerivativesAreTheNumericOnes) {
 TEST(KleemanHeading, SectorsOfMostBeaconsCount) {
   Listening l;
   for (int b = 0; b < 6; ++b) {
-    // Bearing 10 b degrees at heading 0, heard by the nearest receiver.
+    // Bearing 10 b degrees at heading 0, received by the nearest receiver.
     const double bearing = 10.0 * b * kDegree;
     l.beacons.emplace_back(5 * std::cos(bearing), 5 * std::sin(bearing), 0.3);
     std::size_t nearest = 0;

@@ -195,7 +195,7 @@ TEST(Longsolve, ErrorsAreRecomputedAfterAMetre) {
   EXPECT_NE(go({3.8, 3.8}), first);  // 1.13 m
 }
 
-/// A beacon that is heard roughly places nothing, and still contradicts what cannot be.
+/// An inaccurate arrival determines no position, but still contradicts impossible ones.
 TEST(Longsolve, RoughDistancesCheckAndDoNotPlace) {
   Random random(10);
   double squares = 0.0, squares_all = 0.0;
@@ -247,15 +247,16 @@ TEST(Longsolve, SaysWhyThereIsNoFix) {
   for (std::size_t b = 0; b < 6; ++b) late.distance_m[b] += lateness_m[b];
   EXPECT_EQ(solve(room, late).status, FixStatus::kNoConsensus);
 
-  // Three of four heard agree, as any three do: that is no consensus. Three of three are all there is.
+  // Three of four received beacons agree, as any three do, which is no consensus. Three of three are all
+  // there are.
   OffsetDistances four = from(room, {4, 5});
   four.heard = BeaconSet(0b010111);
   four.distance_m[1] += 0.5;
   EXPECT_EQ(solve(room, four).status, FixStatus::kNoConsensus);
 }
 
-/// Two hyperbolas may meet twice. From the middle of a triangle of beacons they do not, or the other place is
-/// well outside; from outside it, nobody can tell.
+/// Two hyperbolas may meet twice. Inside a triangle of beacons they do not, or the other position is well
+/// outside. From outside, the two are indistinguishable.
 TEST(Longsolve, ThreeBeaconsMayBeAmbiguous) {
   Random random(8);
   Room room;

@@ -22,8 +22,8 @@ TEST(FiringSchedule, OfThePrototypeIsNineTenthsOfASecond) {
   EXPECT_DOUBLE_EQ(firing_s(schedule, BeaconId(2), -1), -0.6);
 }
 
-// What the paper prints of its eq. 1: 416 ms (with its own numbers) at 87 mV; 150 ms need alpha = 0.04 with
-// five reflections, at 200 mV.
+// Values printed in the paper for its eq. 1: 416 ms (with its own numbers) at 87 mV; 150 ms need alpha = 0.04
+// with five reflections, at 200 mV.
 TEST(ShortestFire, AgreesWithThePaper) {
   EXPECT_NEAR(shortest_fire_s({.threshold_v = 0.087}), 0.416, 0.0005);
   EXPECT_NEAR(shortest_fire_s({.threshold_v = 0.087, .speed_mps = 300.0}), 0.480, 0.0015);

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// How well the speed of sound follows from a few cycles in Kleeman's room
-// (models/localizers/speed/run_speed.h).
+// Accuracy of the speed of sound from a few cycles in Kleeman's room (models/localizers/speed/run_speed.h).
 #include <cmath>
 #include <iostream>
 
@@ -25,8 +24,8 @@ using test::locate;
 
 constexpr std::uint64_t kSpeedSeed = 1995;
 
-/// "The speed of sound is resolved down to 0.25 %", from the redundancy of a few cycles, when it is up to 3 %
-/// off: with receivers that hear all round at once, and with his, whose weak pulses come late.
+/// "The speed of sound is resolved down to 0.25 %", from the redundancy of a few cycles, with an initial
+/// error of up to 3 %: with omnidirectional receivers immediately, and with his, whose weak pulses are late.
 TEST(KleemanSpeed, FollowsFromRedundancy) {
   std::mt19937_64 random(kSpeedSeed);
   std::cout << "seed " << kSpeedSeed << "\n";

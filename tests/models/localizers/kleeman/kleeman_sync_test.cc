@@ -20,7 +20,7 @@ namespace {
 
 constexpr double kSpeed_mps = 345.0;
 
-/// A pulse, and what the receiver is not told of it.
+/// A pulse, with its source, which the receiver does not know.
 struct TruePulse {
   PulseArrival pulse;
   int beacon = 0;
@@ -32,12 +32,12 @@ struct StreamOptions {
   int cycles = 12;
   double echoes = 1.5;        ///< mean number of echoes of each pulse on each channel
   double spikes_per_s = 5.0;  ///< short noise
-  double drift = 0.0;         ///< of the receiver's clock
+  double drift = 0.0;         ///< time of the receiver's clock
   std::function<bool(int beacon, std::int64_t cycle)> blocked = [](int, std::int64_t) { return false; };
 };
 
-/// What the eight channels of a standing vehicle log. An echo has gone up to 25 m more and lost 4 % of its
-/// amplitude or more besides; nothing is heard below 200 mV.
+/// Pulses on the eight channels of a stationary vehicle. An echo has travelled up to 25 m more and lost 4 %
+/// or more of its amplitude in addition; pulses below 200 mV are not received.
 std::vector<TruePulse> stream(const Deployment& room, const Pose& pose, const FiringSchedule& schedule,
                               const StreamOptions& o, std::uint64_t seed) {
   std::mt19937_64 engine(seed);

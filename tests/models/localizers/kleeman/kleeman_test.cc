@@ -33,7 +33,7 @@ double nees(const Fix& fix, const Pose& truth) {
   return e.dot(C.inverse() * e);
 }
 
-/// What is not noise is solved exactly: heights, lever arms, delays, time-walk, temperature, drift, the
+/// Everything except noise is solved exactly: heights, lever arms, delays, time-walk, temperature, drift, the
 /// cycle's offset.
 TEST(Kleeman, IsExactWithoutNoise) {
   std::mt19937_64 random(kSeed);
@@ -59,7 +59,7 @@ TEST(Kleeman, IsExactWithoutNoise) {
   }
 }
 
-/// The paper's table: standard deviations at three places, with as many samples.
+/// The paper's table: standard deviations at three positions, with the same number of samples.
 TEST(Kleeman, SpreadIsWithinThePublished) {
   std::mt19937_64 random(kSeed);
   std::cout << "seed " << kSeed << "\n";
@@ -329,8 +329,8 @@ TEST(Kleeman, LocateAllocatesNothing) {
   test::expect_no_allocations(kleeman, cycles);
 }
 
-/// Beside a corner its beacon stands steeply above, and directional receivers just hear it: good to
-/// decimetres. The others place.
+/// Near a corner its beacon is steeply above, and directional receivers just receive it: accurate to
+/// decimetres. The others determine the position.
 TEST(Kleeman, ABeaconThatIsJustHeardDoesNotSpoilTheFix) {
   std::mt19937_64 random(kSeed + 9);
   const Deployment d = test::directional_room();

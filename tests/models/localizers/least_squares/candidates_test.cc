@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// The search for a pose from nothing: its list of the best against a brute-force one, what it proposes
-// against the truth.
+// Search for a pose without an initial value: its list of the best compared with a brute-force one, and its
+// proposals with the truth.
 #include "models/localizers/least_squares/candidates.h"
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 namespace octant {
 namespace {
 
-/// Far apart, so that nothing is merged: the list is the sorted scores' beginning.
+/// Far apart, so that no candidates are merged: the list is the start of the sorted scores.
 TEST(Candidates, TopListIsTheBestOfAll) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> score(0.0, 100.0);
@@ -111,9 +111,9 @@ TEST(Candidates, SearchFindsThePose) {
   EXPECT_GE(found, 98);
 }
 
-/// Four receivers on a cross 40 cm ahead and four as far behind, 60 degrees of hearing each, among four
-/// beacons at a room's corners: each beacon is heard by one or two of them, four times. Beacons are known to
-/// 4 mm.
+/// Four receivers on a cross 40 cm ahead and four as far behind, with a reception of 60 degrees each, among
+/// four beacons at a room's corners: each beacon is received by one or two of them, four times. Beacons are
+/// known to 4 mm.
 SearchProblem head_and_tail_at(const PlanarState& truth, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   const Eigen::Vector3d beacons[] = {{0, 0, 1.5}, {6.1, 4.9, 1.4}, {0, 5, 1.5}, {5.8, 0, 1.55}};

@@ -76,7 +76,7 @@ TEST(Consensus, AShadowedBeaconCostsItsCapOnce) {
   EXPECT_NEAR(consensus.score(truth), 3 * std::log(1.4 * kSpanM / kSigmaM), 1e-9);
 }
 
-/// Four pings that a receiver hears from behind are one oddity, not four; one at the edge of hearing is none.
+/// Four pings received from behind count once, not four times; one at the edge of reception does not count.
 TEST(Consensus, HearingFromBehindIsPaidOnceAPath) {
   const Eigen::Vector3d beacons[] = {{5, 0, 2.5}, {0, 5, 2.5}}, levers[] = {{0.1, 0, 0.3}};
   SearchProblem once = test::search_problem_at({0, 0, 0, 0}, beacons, levers, kSigmaM);

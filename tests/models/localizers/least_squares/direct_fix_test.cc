@@ -17,7 +17,7 @@ using test::hear;
 using test::random_pose;
 using test::with_octagon;
 
-/// The same epoch by the search of all that pairs of arrivals propose, and by a way under test.
+/// Fixes of one epoch by the search of all proposals from pairs of arrivals, and by a method under test.
 struct Both {
   Fix searched, direct;
   Both(const Deployment& d, const std::vector<Arrival>& arrivals, bool closed_form_first = true) {
@@ -50,10 +50,10 @@ TEST(DirectFix, IsThatOfTheSearch) {
     Both(d, hear(d, random_pose(random), {.noise_s = 1e-5}, random)).expect_alike(k);
 }
 
-// Up to three in ten are echoes. An arrival right at its gate may stay in where it was and out where it was
-// not (seen in one epoch of a thousand): then both are minima, millimetres apart. In one of ten thousand (9
-// of 86,000, none of them here) they are centimetres apart or one says what the other does not: in five of
-// those the search alone is wrong, in none the closed form alone.
+// Up to three in ten are echoes. An arrival at its gate may remain used or rejected (in one epoch of a
+// thousand): then there are two minima, millimetres apart. In one of ten thousand (9 of 86,000, not here)
+// they are centimetres apart or the states of the two fixes differ: in five of those only the search is
+// wrong, and never only the closed form.
 TEST(DirectFix, IsThatOfTheSearchAmongEchoes) {
   constexpr int kEpochs = 3000;
   std::mt19937_64 random(6);
@@ -83,7 +83,7 @@ TEST(DirectFix, IsThatOfTheSearchAmongEchoes) {
   EXPECT_LE(at_a_gate, kEpochs / 300);
 }
 
-/// From nothing, within bounds: of few beacons too, of which poses have mirror images.
+/// Without an initial value, within bounds: also with few beacons, for which poses have mirror images.
 TEST(DirectFix, ABoundedSearchEndsWhereAFullOneDoes) {
   std::mt19937_64 random(8);
   std::uniform_real_distribution<double> uniform;
@@ -103,7 +103,7 @@ TEST(DirectFix, ABoundedSearchEndsWhereAFullOneDoes) {
     }
   }
   EXPECT_GT(ambiguous, 10);
-  // Two in a thousand were seen over ten seeds: of two beacons heard, where neither is right.
+  // Two in a thousand occurred over ten seeds: with two received beacons, where neither is right.
   EXPECT_LE(differing, 6);
 }
 
@@ -120,7 +120,7 @@ TEST(DirectFix, LeavesShadowsToTheSearch) {
   }
 }
 
-/// Each beacon over one path: however often it is heard, four equations may have two poses, three have. No
+/// Each beacon over one path: however often it is received, four equations may have two poses, three have. No
 /// search finds every second pose of these; the one from a start finds no fewer, and is wrong no more often.
 TEST(DirectFix, PingsOverFourPathsAreLeftToTheSearch) {
   std::mt19937_64 random(3);

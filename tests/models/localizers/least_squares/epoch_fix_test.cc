@@ -124,7 +124,7 @@ TEST(EpochFix, RejectsEchoesAndKeepsTheRest) {
       good[b] += late[i] ? 0 : 1;
       clear += late[i] ? 0 : 1;
     }
-    // What truth settles: three beacons with two direct arrivals each, seven in all.
+    // Case that the truth decides: three beacons with two direct arrivals each, seven in all.
     if (std::count_if(good.begin(), good.end(), [](int n) { return n > 1; }) < 3 || clear < 7) continue;
     const Fix fix = localizer.locate(arrivals);
     ++judged;

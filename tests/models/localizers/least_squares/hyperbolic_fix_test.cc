@@ -64,8 +64,8 @@ TEST(HyperbolicFix, StepIsEquation4) {
   }
 }
 
-/// Eq. 4 undoes a small move, in space as in the plane: the differences of distances that a move makes, put
-/// into the step, give the move.
+/// Eq. 4 inverts a small displacement, in space as in the plane: from the differences of distances due to a
+/// displacement, the step gives the displacement.
 TEST(HyperbolicFix, StepIsTheInverseOfTheDistances) {
   Random random(2);
   for (int k = 0; k < 200; ++k) {

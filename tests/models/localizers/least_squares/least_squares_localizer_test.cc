@@ -24,7 +24,7 @@ using test::with_receiver;
 
 constexpr std::uint64_t kSeed = 20260;
 
-/// Fixes of a second epoch, after a first one of as many rows, take no memory.
+/// Fixes of a second epoch with the same number of rows allocate no memory.
 void expect_no_allocation(Deployment d, const Hearing& how, const std::vector<Bearing>& bearings,
                           std::mt19937_64& random, bool spatial) {
   LeastSquaresLocalizer localizer(d);
@@ -50,7 +50,7 @@ void expect_no_allocation(Deployment d, const Hearing& how, const std::vector<Be
 TEST(LeastSquaresLocalizer, AllocatesNothing) {
   std::mt19937_64 random(kSeed);
   Deployment d = with_octagon(hall());
-  // What calibration leaves open, so that its part of the covariance is computed too.
+  // Uncertainty of the calibration, so that its part of the covariance is computed too.
   for (std::size_t b = 0; b < d.beacons.size(); ++b) {
     for (std::size_t i = 0; i < 2; ++i) d.covariance.parameters.push_back(parameters::beacon_position(b, i));
     d.covariance.parameters.push_back(parameters::beacon_delay(b));
@@ -88,7 +88,7 @@ TEST(LeastSquaresLocalizer, AllocatesNothing) {
   EXPECT_LT(position_error_m(fix.T_map_vehicle, truth), 1e-6);  // by bearings alone
 }
 
-/// What a fix needs beyond its scratch comes from the heap: it is slower, not worse.
+/// Memory that a fix needs beyond its scratch comes from the heap: it is slower, not worse.
 TEST(LeastSquaresLocalizer, ManyRowsAreNoFault) {
   std::mt19937_64 random(kSeed);
   const Deployment d = with_octagon(hall(40));

@@ -31,7 +31,7 @@ TEST(LinearRanges, FindTheStopOfAnArray) {
     ++placed;
     const Pose& found = t.nodes.front().T_map_vehicle;
     EXPECT_TRUE(t.nodes.front().placed);
-    // Means over receivers 0.1 m apart stand for the ranges of the centre, then one linear correction.
+    // Means over receivers 0.1 m apart replace the ranges of the centre, then one linear correction.
     EXPECT_LT((found.translation_m - truth.translation_m).norm(), 0.03);
     EXPECT_LT(std::abs(wrap_angle(found.heading_rad() - truth.heading_rad())), 0.1);
   }
@@ -78,8 +78,8 @@ TEST(LinearRanges, DetoursAreLongerThanTheOtherReceiverAllows) {
     Trajectory t = stop_of(d, arrivals);
     EXPECT_FALSE(reject_detours(t, t.segments.front(), model.state, 4.0));
   }
-  // 0.2 m apart, so 0.25 m more are too many (four sigmas of 1e-5 s each are 19 mm); of one alone nothing is
-  // known.
+  // 0.2 m apart, so 0.25 m more are too much (four sigmas of 1e-5 s each are 19 mm); a single one cannot be
+  // tested.
   arrivals[4].tof_s += 0.45 / 343.7;
   arrivals[6].tof_s += 0.1 / 343.7;
   Trajectory t = stop_of(d, arrivals);

@@ -82,7 +82,7 @@ TEST_P(NodeAdjustmentWith, SlackIsGeneralisedLeastSquares) {
                  (2 * kStep);
     const Eigen::VectorXd r = stop.residuals_m(Eigen::Vector3d::Zero());
     const Eigen::Matrix3d information = J.transpose() * W * J;
-    // At the minimum what is left to go is next to nothing, in sigmas.
+    // At the minimum the remaining step is almost zero, in sigmas.
     const Eigen::Vector3d gradient = J.transpose() * W * r;
     EXPECT_LT(std::sqrt(gradient.dot(information.ldlt().solve(gradient))), 1e-4) << seed;
     EXPECT_NEAR(found.cost, 0.5 * r.dot(W * r), 1e-6 * (1 + found.cost)) << seed;
@@ -108,7 +108,7 @@ TEST(NodeAdjustment, MarksBeyondTheLimitAndReadmitsWellWithin) {
   Stop stop(5);
   stop.t.nodes[0].T_map_vehicle = stop.truth;
   ArrivalObservation& a = stop.t.arrivals[2];
-  // Noise and slack: nothing else is in this deployment.
+  // Noise and slack: this deployment has no other errors.
   const double noise_m = a.sigma_s * a.model_speed_mps, limit_m = 4.0 * noise_m;
   EXPECT_NEAR(allowed_residual_m(stop.t, a, stop.model, 0.03, 4.0), 4.0 * std::hypot(noise_m, 0.03), 1e-9);
   const double exact_s = a.tof_s - stop.residuals_m(Eigen::Vector3d::Zero())[2] / a.model_speed_mps;

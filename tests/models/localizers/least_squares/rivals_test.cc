@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What bounds a search that has a pose already: against brute force, and against worlds that have two poses.
+// Bounds of a search with a known pose, compared with brute force and with worlds that have two poses.
 #include "models/localizers/least_squares/rivals.h"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kSigmaM = 0.004;
 
-/// Three receivers hear each of the beacons without noise.
+/// Three receivers receive each of the beacons without noise.
 SearchProblem problem_at(const PlanarState& truth, const std::vector<Eigen::Vector3d>& beacons,
                          std::size_t receivers = 3) {
   const Eigen::Vector3d levers[] = {{0.2, 0, 0.3}, {-0.1, 0.15, 0.3}, {-0.1, -0.15, 0.3}};
@@ -34,7 +34,7 @@ bool excludes(const SearchProblem& problem, std::size_t outliers) {
   return excludes_rivals(problem, consensus, discord_of(problem, consensus), kTruth, outliers);
 }
 
-/// As of arrivals none of which contradicts another.
+/// Discord of arrivals without contradictions.
 Discord no_discord(const SearchProblem& problem) {
   Discord none;
   none.cost.assign(problem.groups(), 0.0);
@@ -184,7 +184,7 @@ TEST(Rivals, ABeaconWithoutAMajorityIsInPairsTwice) {
   EXPECT_EQ(pairs.size(), 15U + 5U) << "all pairs, those of the first beacon twice";
 }
 
-/// Every set of so many beacons is tried as the outliers'.
+/// Tries every set of this number of beacons as the ones with outliers.
 TEST(Rivals, WhicheverBeaconsTheOutliersAreOfAPairIsWithout) {
   for (std::size_t beacons = 2; beacons <= 9; ++beacons) {
     std::vector<Eigen::Vector3d> places;

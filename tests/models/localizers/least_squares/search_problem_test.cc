@@ -98,7 +98,7 @@ TEST(SearchProblem, AReceiverOnTheAxisSeesNoHeading) {
   EXPECT_FALSE(stop.problem().sees_heading()) << "not one of nobody";
 }
 
-// What a beacon's place, delay and the speed leave uncertain puts all its ranges off together.
+// The uncertainty of a beacon's position and delay, and of the speed, affects all its ranges together.
 TEST(SearchProblem, CalibrationCountsAsABiasOfTheGroup) {
   Stop stop(with_octagon(hall()));
   stop.model.beacon_covariance.assign(8, Eigen::Matrix<double, 5, 5>::Zero());

@@ -10,8 +10,9 @@
 
 namespace octant::test {
 
-/// What the search is told where each receiver hears each beacon, beacon by beacon, without noise.
-/// @param levers  receivers in the vehicle's frame [m]  @param sigma_m  of a range
+/// Input of the search if each receiver receives each beacon, beacon by beacon, without noise.
+/// @param levers  receivers in the vehicle's frame [m]
+/// @param sigma_m  sigma of a range
 inline SearchProblem search_problem_at(const PlanarState& truth, std::span<const Eigen::Vector3d> beacons,
                                        std::span<const Eigen::Vector3d> levers, double sigma_m) {
   SearchProblem problem;

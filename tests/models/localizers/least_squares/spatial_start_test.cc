@@ -60,7 +60,7 @@ RC_GTEST_PROP(LinearPositions, AnUnknownOffsetIsFoundBesideThePlace, ()) {
   problem.has_offset = true;
   const LinearPositions found = linear_positions(problem);
   RC_ASSERT(found.count == 1U);
-  // Where ranges hardly differ the offset stands in for the place: then it is left out, and this is no fix.
+  // If ranges hardly differ, the offset absorbs the position. It is then omitted, and there is no fix.
   RC_ASSERT((found.p_map_m[0] - p).norm() < 1e-3);
 }
 

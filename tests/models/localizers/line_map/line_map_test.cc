@@ -23,7 +23,7 @@ using test::Wall;
 
 constexpr std::uint64_t kSeed = 42;
 
-/// Two rooms with a door between them and an oblique wall; nothing is symmetric.
+/// Two rooms with a door between them and an oblique wall, without any symmetry.
 const std::vector<Wall> kRooms = {{{0, 0}, {12, 0}},    {{12, 0}, {12, 7}},     {{12, 7}, {9, 9}},
                                   {{9, 9}, {0, 9}},     {{0, 9}, {0, 0}},       {{6, 0}, {6, 3.5}},
                                   {{6, 5.0}, {6, 9}},   {{2, 3}, {3.5, 3}},     {{3.5, 3}, {3.5, 4.2}},
@@ -178,8 +178,8 @@ TEST(LineMap, CovarianceIsHonest) {
   }
   std::cout << "NEES over degrees of freedom " << nees / (3 * count) << "\n";
   EXPECT_GE(count, kDrives - 2);
-  // The walls' errors are taken as fully correlated from scan to scan, an upper bound: not above chi-square,
-  // but below it.
+  // The walls' errors count as fully correlated from scan to scan, an upper bound: not above chi-square, but
+  // below it.
   EXPECT_LT(nees, test::chi2_quantile(0.999, 3 * count));
   EXPECT_GT(nees, 0.2 * 3 * count);
 }
@@ -227,7 +227,7 @@ TEST(LineMap, OffItsMapThereIsNoFix) {
   const auto fixes =
       LineMapLocalizer(map_of(elsewhere)).locate(d.scans, d.odometry, kOdometry, {0.0, d.truth[0]}, kStart);
   std::size_t ok = 0;
-  // After two of the windows over which the share is taken.
+  // After two of the windows over which the share is computed.
   for (std::size_t k = 16; k < fixes.size(); ++k) ok += fixes[k].ok();
   EXPECT_EQ(ok, 0u) << "of " << fixes.size() - 16;
   EXPECT_EQ(fixes.back().status, FixStatus::kNoConsensus);
@@ -262,7 +262,7 @@ TEST(LineMap, LivesWithEmptyScansAndOdometryGaps) {
   EXPECT_EQ(fixes[5].arrivals_used, 0);
 }
 
-/// The same with the run's interface: a map from a run with measured poses, the next run located on it.
+/// Interface for runs: a map from a run with measured poses, the next run located on it.
 TEST(LineMap, FromOneRunToTheNext) {
   Random random(kSeed + 3);
   MeasurementLog first, second;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Segments held against walls: residuals and their derivatives by moving the pose; matches of small scans.
+// Segments matched with walls: residuals and their derivatives by moving the pose; matches of small scans.
 #include "models/localizers/line_map/line_matching.h"
 
 #include <cmath>
@@ -49,7 +49,7 @@ RC_GTEST_PROP(ObserveWall, IsNothingWhereTheSegmentLiesOnTheWallAndChangesAsItsD
     moved.heading_rad += off[2];
     return observe_wall(moved, segment, on_map, options).residual;
   };
-  // What the pose should change: minus the residual's derivative.
+  // Expected change of the pose: minus the residual's derivative.
   RC_ASSERT((o.H + numeric_jacobian(residual, Eigen::Vector3d::Zero(), 1e-5)).cwiseAbs().maxCoeff() < 1e-8);
 }
 
@@ -83,7 +83,7 @@ TEST(ObserveWall, TakesASegmentsOwnScatterWhereThatIsMore) {
   EXPECT_GT(observe_wall(OdometryState{}, segment, on_map, options).noise[0], before);
 }
 
-/// A corner of two walls 3 m before and 2 m beside the origin.
+/// A corner of two walls 3 m ahead and 2 m to the side of the origin.
 struct Corner {
   LineMap map;
   std::vector<LineSegment> segments;

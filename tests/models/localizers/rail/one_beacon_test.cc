@@ -17,8 +17,8 @@ namespace {
 using Point = Eigen::Vector2d;
 
 constexpr std::uint64_t kSeed = 288;
-/// Rounding of ranges of some metres, 1e-15, magnified by distance over baseline (30) and in turn by the
-/// flattest place (10).
+/// Rounding of ranges of some metres, 1e-15, magnified by distance over baseline (30) and by the flattest
+/// position (10).
 constexpr double kExact_m = 1e-9;
 
 /// Receivers 0.4 m apart along x at uneven heights; beacons on both sides.
@@ -137,7 +137,7 @@ TEST(OneBeacon, EitherSideOfASingleBeaconNeedsTheLastPosition) {
   OneBeacon localizer(d, {.heading_rad = 0.1, .facing = Facing::kEither, .max_speed_mps = 1.0});
   const Pose truth = Pose::planar(1, 1, 0.1);
   EXPECT_EQ(locate(localizer, arrivals_at(d, truth)).status, FixStatus::kAmbiguous);
-  // Nothing was remembered of that; two beacons fix it, and then one is enough.
+  // No state remains of that; two beacons fix it, and then one is enough.
   Deployment both = site({{0, 5, 2.0}, {5, 4, 2.0}});
   OneBeacon remembering(both, {.heading_rad = 0.1, .facing = Facing::kEither});
   auto two = arrivals_at(both, truth);
@@ -183,8 +183,8 @@ TEST(OneBeacon, CovarianceIsThatOfNumericDerivatives) {
       const Fix fix = locate(*localizer, arrivals);
       ASSERT_TRUE(fix.ok());
       const Eigen::Matrix3d numeric = test::numeric_covariance(*localizer, arrivals, 1e-7);
-      // Central differences over 1e-8 s; the exact heading is a weight of 1e18; noise of 1e-7 s bends
-      // nothing.
+      // Central differences over 1e-8 s; the exact heading has a weight of 1e18; noise of 1e-7 s has no
+      // nonlinear effect.
       EXPECT_LT((Eigen::Matrix3d(fix.covariance) - numeric).norm(), 1e-4 * numeric.norm());
     }
   }

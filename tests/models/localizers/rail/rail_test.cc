@@ -201,8 +201,8 @@ TEST(Rail, OfTwoRangesTheOneThatWouldBeEarlyIsRight) {
 }
 
 TEST(Rail, AShadowedBeaconPaysOnce) {
-  // A behind is late at both receivers, B ahead is heard by one: two ranges do not outvote one, because they
-  // share an obstacle.
+  // A behind is late at both receivers, B ahead is received by one: two ranges do not outvote one, because
+  // they share an obstacle.
   const Deployment d = on_rail(kStraight, {{1.5, 3.0, 2.0}, {38.5, 5.0, 2.0}});
   auto arrivals = arrivals_at(d, 20.0);
   ASSERT_EQ(arrivals.size(), 4u);

@@ -155,7 +155,7 @@ TEST(Reflectors, CovarianceHoldsTheReflectorsOwn) {
   EXPECT_LT(nees, test::chi2_quantile(0.999, 3 * count));
 }
 
-/// Nobody names a bearing, one in six sees nothing that is on the map: never a wrong fix.
+/// Bearings without labels, one in six of an object that is not on the map: never a wrong fix.
 TEST(Reflectors, MatchesUnlabelledBearings) {
   Random random(kSeed + 2);
   const Deployment d = hall();
@@ -209,7 +209,7 @@ TEST(Reflectors, LeavesABearingOutThatDisagrees) {
   EXPECT_EQ(fix.rejections[4], Rejection::kOutvoted);
   EXPECT_EQ(fix.arrivals_rejected, 1);
   EXPECT_LT(error(fix, truth).norm(), 1e-8);
-  // Of four, any three would do: which of them is wrong cannot be known.
+  // Any three of four would suffice, so the wrong one cannot be identified.
   bearings.erase(bearings.begin() + 5, bearings.end());
   bearings.erase(bearings.begin());
   EXPECT_EQ(Reflectors(d).locate(of(bearings)).status, FixStatus::kAmbiguous);

@@ -108,8 +108,8 @@ Errors errors_of(const std::vector<Fix>& fixes, const Flight& f, const Eigen::Ve
   return e;
 }
 
-/// Errors and what is said of them, pooled over flights: neighbouring fixes share their errors, so the pooled
-/// NEES of twelve flights of some twenty independent stretches scatters by less than a tenth.
+/// Errors and their covariances, pooled over flights. Neighbouring fixes have correlated errors, so the
+/// pooled NEES of twelve flights with about twenty independent segments each scatters by less than a tenth.
 TEST(SpaceTrack, FixesAreAsGoodAsTheySay) {
   double nees = 0.0, worst_m = 0.0;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
@@ -139,8 +139,8 @@ TEST(SpaceTrack, EchoesAreLeftOut) {
   EXPECT_LT(rejected, 320);
 }
 
-/// Beacons that are off as the joint covariance says: the errors of a flight do not average out, and the
-/// covariance says so.
+/// Beacon errors with the joint covariance: the errors of a flight do not average out, and the covariance
+/// contains them.
 TEST(SpaceTrack, TheCalibrationsPartCounts) {
   double nees = 0.0, without = 0.0;
   constexpr int kFlights = 20;
@@ -160,8 +160,7 @@ TEST(SpaceTrack, TheCalibrationsPartCounts) {
   EXPECT_LT(nees, 1.5);
 }
 
-/// What the antenna's lever arm puts the origin off is in the covariance, and the rotation is said to be
-/// unknown.
+/// The effect of the antenna's lever arm on the origin is in the covariance, and the rotation is unknown.
 TEST(SpaceTrack, TheLeverArmCounts) {
   const Eigen::Vector3d lever_m(0.3, -0.1, 0.2);
   Random random(5, 1);
@@ -182,9 +181,9 @@ TEST(SpaceTrack, OfTwoMirrorImagesTheOneBelowTheBeaconsIsTaken) {
   EXPECT_LT(errors_of(fixes, f, Eigen::Vector3d::Zero()).rmse_m, 0.2);
 }
 
-// A rig that is carried up and down through the plane of its beacons: ranges tell the height but not its
-// sign, and a filter that is thrown back from the plane where the rig went through it, or the other way
-// round, stays on the wrong side until the next passage.
+// A rig that is carried up and down through the plane of its beacons. Ranges determine the distance from the
+// plane but not its sign. A filter that is reflected at the plane where the rig passed through it, or vice
+// versa, stays on the wrong side until the next passage.
 TEST(SpaceTrack, ThroughThePlaneOfItsBeaconsATrackTakesTheLikelierSides) {
   std::vector<Eigen::Vector3d> level = kHall;
   for (std::size_t b = 0; b < level.size(); ++b) level[b].z() = 1.6 + (b % 2 == 0 ? 0.05 : -0.05);
@@ -263,7 +262,7 @@ TEST(SpaceTrack, StopsThatNothingTiesTogetherAreLocatedOneByOne) {
   }
 }
 
-// The first place may be wrong; a track that its arrivals do not support is none.
+// The first position may be wrong; a track that its arrivals do not support is rejected.
 TEST(SpaceTrack, NothingIsTrackedAmongArrivalsThatDisagree) {
   Random random(18, 1);
   Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.0, 40, 1.5, random);
@@ -381,8 +380,8 @@ TEST(SpaceTrack, ThreeBeaconsHaveNoLevel) {
     EXPECT_EQ(fix.protection_level_m, 0.0);
 }
 
-/// A fifth beacon alone tells on which side of a wall of four the vehicle is: at fault it may put it at the
-/// mirror image.
+/// Only the fifth beacon determines on which side of a wall of four the vehicle is. If it is faulty, the
+/// position may be the mirror image.
 TEST(SpaceTrack, WhereOneBeaconTellsTheSideItTakesThatWithIt) {
   Random random(14, 1);
   std::vector<Eigen::Vector3d> wall = {{0, 0, 0.3}, {10, 0, 4.0}, {10, 0, 0.5}, {0, 0, 4.2}, {5, 9, 1.0}};

@@ -20,7 +20,7 @@ using test::must;
 
 constexpr double kWarmer_mps = 5.9;  ///< some ten degrees
 
-/// The hall as it was calibrated, and a run in air that is faster by kWarmer_mps, of which nothing is stated.
+/// The calibrated hall, and a run without a temperature in air in which sound is faster by kWarmer_mps.
 struct WarmRun {
   Deployment deployment;
   MeasurementLog run;
@@ -89,7 +89,7 @@ TEST(RunSpeed, ADriveTellsIt) {
   }
 }
 
-/// Three arrivals at one receiver make a position and nothing more.
+/// Three arrivals at one receiver determine a position only.
 TEST(RunSpeed, IsNotToldByArrivalsThatArePositionsAlone) {
   WarmRun w = warm_run(1, test::hall_scenario());
   std::map<std::int64_t, std::size_t> heard;

@@ -96,7 +96,7 @@ TEST(DriveStart, WidenedSigmasLastAsLongAsTheyAreAskedFor) {
   EXPECT_EQ(w.t.arrivals[3].sigma_s, before);
 }
 
-// Against the dense inverse of the information of all states of the stretch.
+// Comparison with the dense inverse of the information of all states of the segment.
 TEST(DriveStart, AFilterBeginsWithTheMarginalInflated) {
   StartWorld w;
   const DriveStart start = find_start(w.t, w.segment(), w.model, {}, w.segment().first_node);

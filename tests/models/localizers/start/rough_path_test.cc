@@ -73,7 +73,7 @@ TEST(RoughPath, IsNoTiltedImageOfItself) {
   for (const std::uint64_t seed : {1, 3, 4, 5, 6, 8}) expect_placed(seed, 0.0);
 }
 
-// Of the last one the first window's likeliest pose is not the right one.
+// In the last one, the first window's likeliest pose is not the right one.
 TEST(RoughPath, NorAmongEchoes) {
   for (const std::uint64_t seed : {1, 2, 3, 19}) expect_placed(seed, 0.05);
 }

@@ -23,7 +23,7 @@ Scenario flight_scenario(double duration_s) {
   return s;
 }
 
-/// What fixes are off the truth.
+/// Errors of fixes.
 struct Errors {
   std::size_t fixes = 0, ok = 0, with_level = 0, beyond_level = 0;
   double largest_m = 0.0, largest_rad = 0.0, nees = 0.0;
@@ -167,7 +167,7 @@ Flight one_antenna(double seconds, std::uint64_t seed) {
   return f;
 }
 
-// Alone it tells no attitude; odometry along a bent path does.
+// Alone it determines no attitude; odometry along a curved path does.
 TEST(SpaceStart, ASingleAntennaHasAnAttitude) {
   const Flight f = one_antenna(40.0, 1);
   const Errors e = errors_of(located(f.deployment, f.log), f.log.truth);
@@ -179,7 +179,7 @@ TEST(SpaceStart, ASingleAntennaHasAnAttitude) {
   EXPECT_LT(e.nees, 14.0);
 }
 
-// What is not heard for a while is bridged, and a vehicle that was carried off is found again.
+// A pause of reception is bridged, and a vehicle that was carried away is found again.
 TEST(SpaceStart, SilenceIsBridged) {
   Flight f = one_antenna(60.0, 2);
   std::erase_if(f.log.arrivals, [](const Arrival& a) { return a.time_s > 20.0 && a.time_s < 35.0; });
