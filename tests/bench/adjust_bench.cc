@@ -56,7 +56,7 @@ Scenario forty_beacons(int epochs) {
 /// Where all begin.
 enum class From {
   kNear,  ///< the solved problem with all beacons a centimetre off, some sigmas of an arrival
-  kSite,  ///< what the site file says, each stop placed by a search among its beacons
+  kSite,  ///< values of the site file, each stop located by a search among its beacons
 };
 
 struct Start {
@@ -64,10 +64,10 @@ struct Start {
   std::vector<Trajectory> trajectories;
   calib::ParameterLayout layout;
   Eigen::VectorXd x;
-  double best_cost = 0.0;  ///< that plain squares of these arrivals have
+  double best_cost = 0.0;  ///< cost of these arrivals under least squares
 };
 
-/// A hall with so many stops; none: the world whose folder the environment names.
+/// A hall with this number of stops; without one, the world whose folder the environment names.
 calib::Problem problem_with(int epochs) {
   if (epochs > 0) {
     const World world = must(simulate(forty_beacons(epochs), 1));
@@ -141,8 +141,8 @@ void report(benchmark::State& state, const Start& start, double cost) {
                          benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-/// As `calibrate` does with a long log: an evenly spread part of the stops first, headings held until the
-/// beacons are about right.
+/// Like `calibrate` with a long log: first an evenly spread part of the stops, with constrained headings
+/// until the beacons are approximately right.
 void adjust_part(const Start& start, const std::vector<Trajectory>& trajectories, Eigen::VectorXd& x,
                  calib::AdjustOptions options) {
   constexpr std::size_t kStops = 1200;

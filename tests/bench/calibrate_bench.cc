@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Calibration in whole and in parts, the plain per-arrival adjustment beside it in the same run.
+// Calibration as a whole and in parts, compared with the plain adjustment by arrivals in one run.
 #include <map>
 
 #include <benchmark/benchmark.h>

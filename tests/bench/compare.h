@@ -7,11 +7,11 @@
 
 namespace octant::bench {
 
-/// Two builds of the benchmarks, to be run turn by turn: machines are shared, and figures of two hours say
-/// nothing about each other.
+/// Two builds of the benchmarks, run alternately: machines are shared, so figures from different hours are
+/// not comparable.
 struct Comparison {
   std::string now, base;             ///< programs
-  std::vector<std::string> options;  ///< of Google Benchmark, handed to both
+  std::vector<std::string> options;  ///< arguments of Google Benchmark for both
 };
 
 /// Prints each benchmark's processor time in both, medians of five turns.

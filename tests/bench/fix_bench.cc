@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// One fix of some 16 arrivals in the hall: the least-squares localizer, from nothing, with covariance and
-// protection level; beside it what finds the pose alone and begins at the true one: Gauss-Newton in plain
-// Eigen, and Ceres (analytic, dense). `percentiles` times each of 10^6 fixes for itself.
+// One fix of about 16 arrivals in the hall: the least-squares localizer without an initial value, with
+// covariance and protection level. For comparison, methods that estimate only the pose and start at the true
+// one: Gauss-Newton in plain Eigen, and Ceres (analytic, dense). `percentiles` measures each of 10^6 fixes
+// separately.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -61,7 +62,7 @@ void fix_octant(benchmark::State& state, bool echoes) {
 BENCHMARK_CAPTURE(fix_octant, clean, false);
 BENCHMARK_CAPTURE(fix_octant, echoes_5_percent, true);
 
-/// Of the thread, so that what else the machine does is none of it; the clock's own time is.
+/// Time of the thread, so that other processes do not count; the time of the clock itself does.
 double processor_us() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

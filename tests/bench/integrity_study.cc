@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// How often a fix lies beyond its protection level, with faults at stated rates:
+// Frequency of fixes beyond their protection level, with faults at given rates:
 //   octant_integrity least_squares|tracker|every_fix [EPOCHS] [SEED]
 // A hall of 20 x 12 m with eight beacons and an octagon; times of flight to 10 us, beacons calibrated to 2 mm
-// (drawn anew every 1,000 epochs). A beacon is at fault in a thousandth of the epochs (`every_fix`: one of
-// those heard, in each), all its arrivals or any of them off by 1 to 1,000 sigmas (`every_fix`: 1 to 30),
-// four in five late; and a hundredth of the arrivals are echoes, 0.3 to 12 ms late. The tracker drives, and a
-// fault lasts five seconds.
+// (new random errors every 1,000 epochs). A beacon is faulty in a thousandth of the epochs (`every_fix`: one
+// of those received, in each). All its arrivals, or some of them, have an error of 1 to 1,000 sigmas
+// (`every_fix`: 1 to 30), late in four of five cases. A hundredth of the arrivals are echoes, 0.3 to 12 ms
+// late. The tracker drives, and a fault lasts five seconds.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -35,7 +35,7 @@ double log_uniform(std::mt19937_64& random, double low, double high) {
   return std::exp(uniform(random, std::log(low), std::log(high)));
 }
 
-/// A beacon's fault: what each of its arrivals is off by.
+/// Fault of a beacon: error of each of its arrivals.
 struct Fault {
   bool all_alike = true;
   double size_s = 0.0, smallest = 1.0, largest = 1000.0, sigma_s = 1e-5;
@@ -82,7 +82,7 @@ class Hall {
     return (truth.beacons[beacon].position_m - T.translation_m).norm() < kRange_m;
   }
 
-  /// Arrivals of one beacon at all receivers that hear it. @param fault  null: none
+  /// Arrivals of one beacon at all receivers in reach. @param fault  null: no fault
   void hear(const Pose& T, std::size_t beacon, double time_s, const Fault* fault, std::vector<Arrival>& out) {
     const double speed_mps = truth.speed_mps(truth.medium.temperature_degC);
     for (std::size_t r = 0; r < truth.receivers.size(); ++r) {
@@ -134,7 +134,7 @@ struct Tally {
     errors_m.push_back(static_cast<float>(off_m));
   }
 
-  /// Chance of as many or more beyond, if each is at the stated risk (binomial).
+  /// Probability of this number or more beyond, if each has the given risk (binomial).
   double chance(double risk) const {
     if (beyond == 0) return 1.0;
     double less = 0.0;
@@ -270,7 +270,7 @@ Tally tracker(long epochs, std::mt19937_64& random) {
         faults[i].fault.draw(random);
         faults[i].until_s = time_s + kFault_s;
       }
-      // What a fault did to the pose outlasts it.
+      // The effect of a fault on the pose lasts longer than the fault.
       faulted = faulted || faults[i].until_s + kFault_s > time_s;
     }
     hall.hear(T, b, time_s, faults[b].until_s > time_s ? &faults[b].fault : nullptr, arrivals);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Reading a long tof.csv, digest included. tests/bench/reading.py sets another reader beside it.
+// Reads a long tof.csv, including the digest. tests/bench/reading.py compares it with another reader.
 #include <unistd.h>
 
 #include <cstdlib>

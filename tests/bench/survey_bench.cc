@@ -78,7 +78,7 @@ BENCHMARK_CAPTURE(survey_million, two_failures, 2, true)
     ->Unit(benchmark::kMillisecond)
     ->UseRealTime();
 
-/// The same in plain scalar C++, as a compiler sees it.
+/// A scalar version in plain C++, as compiled without vectors.
 void survey_scalar_hdop(benchmark::State& state) {
   const auto places = forty();
   std::vector<double> hdop(1000 * 1000);

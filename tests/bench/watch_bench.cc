@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What a robot pays for watching its beacons, an arrival.
+// Cost of the watch on a robot, for each arrival.
 #include <benchmark/benchmark.h>
 
 #include "models/localizers/least_squares/epoch_fix.h"
@@ -17,7 +17,7 @@ struct Watched {
   std::size_t arrivals = 0;
 };
 
-/// The hall's held-out stops, localized; with attenuation the walk is part of the work.
+/// The hall's validation stops, localized; with attenuation the walk is part of the work.
 Watched watched_hall(bool with_attenuation) {
   Scenario s = hall_scenario();
   s.path.epochs = 1;
