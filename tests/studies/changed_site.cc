@@ -88,7 +88,7 @@ Scenario first_visit(Random& draws) {
   return s;
 }
 
-/// Everything as the first visit's truth has it, and nothing left to be drawn anew.
+/// All values of the first visit's truth, without any random part.
 void hold_truth(Scenario& s, const Deployment& truth) {
   for (std::size_t b = 0; b < truth.beacons.size(); ++b) {
     s.site.beacons[b].delay_s = truth.beacons[b].delay_s;
@@ -120,7 +120,7 @@ void wander(Scenario& s, const Drift& drift, Random& draws) {
   s.site.medium.temperature_degC += std::round(draws.uniform(-3, 3));
 }
 
-/// So many different beacons, control points or none.
+/// Selects this number of different beacons, with or without control points.
 std::vector<std::size_t> some_beacons(const Scenario& s, std::size_t count, bool control, Random& draws) {
   std::vector<std::size_t> all, chosen;
   for (std::size_t b = 0; b < s.site.beacons.size(); ++b)

@@ -13,7 +13,7 @@
 
 namespace octant::study {
 
-/// What happens to a site between two visits.
+/// Events at a site between two visits.
 enum class Event {
   kNothing,
   kOneMoved,      ///< an approximate beacon, 10 to 100 mm, log-uniform
@@ -21,7 +21,7 @@ enum class Event {
   kThreeMoved,    ///< each by 10 to 100 mm
   kControlPoint,  ///< one of four is knocked by 20 to 200 mm
   kWarmer,        ///< by 8 degC, and the thermometer says so
-  kDelay,         ///< of a beacon, +40 us
+  kDelay,         ///< delay of a beacon, +40 us
   kReceiver,      ///< bent by 20 to 50 mm
   kExchanged      ///< two approximate beacons hang in each other's places
 };
@@ -30,7 +30,7 @@ inline constexpr std::array<Event, 9> kEvents = {Event::kNothing,    Event::kOne
                                                  Event::kDelay,      Event::kReceiver,     Event::kExchanged};
 [[nodiscard]] const char* to_string(Event event);
 
-/// What truly changed at one subject.
+/// True change of one subject.
 struct TrueChange {
   ChangeKind kind = ChangeKind::kBeaconMoved;
   std::size_t owner = 0;  ///< beacon or receiver
@@ -43,19 +43,19 @@ struct TrueChange {
 /// receivers; 60 to 80 stops at first, later 15 to 25 stops or (in two of five) a drive of 3 to 5 minutes,
 /// and a drive of another night. Echoes at half of the sites, amplitudes at a quarter.
 struct ChangedSite {
-  World first;   ///< its held-out run is not used
+  World first;   ///< its validation run is not used
   World second;  ///< truth after the change; `run` is the second visit, `heldout` the night's drive
   std::vector<TrueChange> changes;
   bool drives = false;  ///< the second visit is a drive
 };
 
-/// @param drift  by which everything truly wanders between the visits, standard deviations; zero: nothing
-/// does. Of gains and attenuation none does.
+/// @param drift  standard deviations of the true drift of everything between the visits; zero: no drift.
+/// Gains and attenuation never drift.
 [[nodiscard]] ChangedSite changed_site(Event event, std::uint64_t seed, const Drift& drift);
 
-/// The site at which whatever changed is a beacon or receiver of its own at the second visit, and that
-/// visit's run told so: a fresh calibration of both visits. @param index  of each of the first site's beacons
-/// among them
+/// Site in which a changed beacon or receiver is a separate one at the second visit, with that visit's run
+/// adapted: for a new calibration of both visits.
+/// @param index  index of each of the first site's beacons among them
 struct BothVisits {
   Site site;
   MeasurementLog second;

@@ -1,15 +1,15 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Whether the fix of the localizer, which starts in closed form and looks for nothing but rivals of what it
-// finds, and that of the same search from nothing, are that of the full search, which tries all that pairs of
-// arrivals propose: simulated epochs by all three, with echoes and shadows.
+// Compares the fixes of three methods on simulated epochs with echoes and shadows: the localizer, which
+// starts in closed form and searches only for rivals of that pose; this search without a start; and the full
+// search, which tries all proposals from pairs of arrivals.
 //   octant_fix_search [EPOCHS of each world = 100000] [SEED = 1] [WORLD]
-// OCTANT_STUDY_VERBOSE=1 in the environment: each epoch that differs.
-// Exit 1 where by more than chance more than one epoch in ten thousand of a world is worse than by the full
-// search (another status, or more than a centimetre apart, and neither within 5 cm of the truth nor ambiguous
-// by two poses that explain the epoch as well), or more fixes are wrong (ok, and off the truth by more than
-// ten sigmas). An arrival right at its gate may be in here and out there, then both are minima, millimetres
-// apart: `marks`.
+// OCTANT_STUDY_VERBOSE=1 in the environment prints each epoch that differs.
+// Exit 1 if significantly more than one epoch in ten thousand of a world is worse than by the full search, or
+// if more fixes are wrong (ok, and more than ten sigmas from the truth). Worse is another status, or a
+// distance of more than a centimetre, unless the fix is within 5 cm of the truth or two poses explain the
+// epoch equally well. An arrival at its gate may be used by one method and rejected by the other; then there
+// are two minima, millimetres apart: `marks`.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -36,8 +36,8 @@ constexpr double kSame_m = 0.01, kDiffering = 1e-4;
 struct EchoWorld {
   const char* name;
   int beacons;
-  double share, least_s, most_s;  ///< of arrivals that are late, by how much
-  double shadows;                 ///< of beacons all of whose arrivals are late alike
+  double share, least_s, most_s;  ///< share of late arrivals, and their lateness
+  double shadows;                 ///< share of beacons whose arrivals are all late by the same amount
   double calibrated_m = 0.0;      ///< sigma of the beacons
 };
 
@@ -113,8 +113,9 @@ double off_m(const Fix& f, const Pose& truth) {
   return f.ok() ? (f.T_map_vehicle.translation_m - truth.translation_m).norm() : 0.0;
 }
 
-/// Whether two poses at two places explain an epoch as well: then it is ambiguous, and a search that sees one
-/// of them alone has missed the other. The full search does not look within a few centimetres of a candidate.
+/// Returns true if two poses at different positions explain an epoch equally well. It is then ambiguous, and
+/// a search that finds only one of them has missed the other. The full search does not examine a few
+/// centimetres around a candidate.
 bool has_rival(const Trajectory& epoch, const EpochFixModel& model, const EpochFixOptions& options) {
   const SearchProblem problem =
       make_search_problem(epoch, epoch.segments[0], model, options.range_uncertainty_m);
@@ -135,7 +136,7 @@ bool has_rival(const Trajectory& epoch, const EpochFixModel& model, const EpochF
   return false;
 }
 
-/// How the fixes of a way differ from those of the full search.
+/// Differences between the fixes of a method and those of the full search.
 struct Difference {
   long status = 0, place = 0, marks = 0, better = 0;
 
@@ -170,7 +171,7 @@ void print_times(Way& way) {
               way.wrong);
 }
 
-/// Whether the fixes from the start and from nothing are those of the full search often enough.
+/// Checks that the fixes with and without a start agree with those of the full search often enough.
 bool compare(const EchoWorld& world, long epochs, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const Deployment truth = deployment_of({"", world.beacons, 0, 0, 0, 0}, random);

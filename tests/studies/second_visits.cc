@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Two hundred simulated sites that are visited again after one change: what recalibration and monitoring find
-// of it, what they name it, and how good the new deployment is.
+// Two hundred simulated sites with a second visit after one change. Tests if recalibration and monitoring
+// find and name the change, and the accuracy of the new deployment.
 //   octant_second_visits [--sites 200] [--seed 1] [--threads 1] [--drift 1] [--told 1] [--event N]
 //   [--verbose]
-// Exit 1 where a mark is not kept within its binomial bound.
-// --drift: of what six months do (Drift::of_months), so much truly happens; --told: so much is allowed for.
+// Exit 1 if a requirement is not met within its binomial bound.
+// --drift: true drift as a multiple of that of six months (Drift::of_months); --told: the assumed multiple.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -65,7 +65,7 @@ double noncentral_tail(double value, int degrees_of_freedom, double noncentralit
   return std::min(1.0, sum);
 }
 
-/// How plainly a change is to be seen; not yet found.
+/// Significance of a change, before it is known if it was found.
 Told visibility(const TrueChange& truth, const Comparison& comparison) {
   const ChangeKind kind = truth.kind == ChangeKind::kExchanged ? ChangeKind::kBeaconMoved : truth.kind;
   Told out;
@@ -123,8 +123,7 @@ Answer answer_of(const ChangedSite& site, const Result<calib::Revisit>& found) {
   return out;
 }
 
-/// The new deployment against the truth of the second visit, and a fresh calibration of both visits beside
-/// it.
+/// Compares the new deployment, and a new calibration of both visits, with the truth of the second visit.
 void weigh(const ChangedSite& site, const Deployment& left, Score& score) {
   std::vector<int> at;
   std::vector<double> error;

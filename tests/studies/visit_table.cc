@@ -26,7 +26,7 @@ double binomial_at_most(std::size_t k, std::size_t n, double p) {
                     static_cast<double>(n - i) * std::log1p(-p));
   return sum;
 }
-/// As many of n as a rate does not exceed with a probability of 99 %.
+/// Number out of n that a rate does not exceed with a probability of 99 %.
 std::size_t at_most(std::size_t n, double rate) {
   std::size_t k = 0;
   while (k < n && binomial_at_most(k, n, rate) < kConfidence) ++k;
@@ -47,9 +47,9 @@ struct Count {
 };
 
 struct Tally {
-  Count found, right;                 ///< of changes seen at four sigmas and more
+  Count found, right;                 ///< among changes of four sigmas and more
   Count weak;                         ///< found of those below
-  double power = 0.0, at_best = 0.0;  ///< sums over the changes seen: as many are found on average
+  double power = 0.0, at_best = 0.0;  ///< sums over the observable changes: expected number of detections
   Count accused;                      ///< visits at which an innocent is accused
   std::map<int, Count> bins;          ///< found, by whole units of distance up to 10
   std::vector<double> seconds;
@@ -75,7 +75,7 @@ struct Tally {
 /// All sites; of each, recalibration and monitoring.
 struct Totals {
   std::map<Event, std::array<Tally, 2>> by_event;
-  std::array<Tally, 2> all, quiet;  ///< quiet: nothing changed
+  std::array<Tally, 2> all, quiet;  ///< quiet: there was no change
   double nees = 0.0, squares = 0.0, fresh = 0.0;
   int coordinates = 0;
   std::size_t faults = 0;
@@ -121,7 +121,7 @@ void print_answers(const char* who, std::size_t k, Totals& totals) {
 
 class Marks {
  public:
-  /// At most so many of n go wrong where the mark is kept.
+  /// Maximum number of errors out of n if the requirement is met.
   void share(const std::string& what, std::size_t wrong, std::size_t n, double mark) {
     const std::size_t bound = at_most(n, mark);
     line(fmt::format("{}: {} of {} ({:.1f} %), bound {}", what, wrong, n,
@@ -139,7 +139,7 @@ class Marks {
   int missed_ = 0;
 };
 
-/// What the test's power lets it miss, and a hundredth more where that is less than the mark.
+/// Misses that the power of the test permits, and another hundredth if that is less than the requirement.
 double attainable(const Tally& t, double mark) {
   const auto n = static_cast<double>(std::max<std::size_t>(t.found.all, 1));
   return std::max(mark, 1.0 - t.power / n);

@@ -9,15 +9,15 @@
 
 namespace octant::study {
 
-/// What was said of one true change.
+/// Result for one true change.
 struct Told {
   double sigmas = 0.0;    ///< its size over the sigma of its size, as reports print it
   double distance = 0.0;  ///< Mahalanobis' distance in the covariance of its estimate
   double power = 0.0;     ///< probability that the test at its stated level finds it
-  double at_best = 0.0;   ///< likewise of a test of that level that knows the direction beforehand
+  double at_best = 0.0;   ///< power of a test of that level that knows the direction beforehand
   bool found = false, right = false;
 };
-/// What recalibration or monitoring said of a visit.
+/// Result of recalibration or monitoring for a visit.
 struct Answer {
   bool ok = false;
   std::string message;
