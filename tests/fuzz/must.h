@@ -28,7 +28,7 @@ void must_explain(const Result<T>& result) {
 
 /// Path of a file of this process, in memory where there is such a place; folders as far as `name` has some.
 [[nodiscard]] std::string scratch(const std::string& name);
-/// The same with this content.
+/// A file with this content.
 [[nodiscard]] std::string written(const std::string& name, std::string_view content);
 
 }  // namespace octant::fuzz

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What fuzzing begins with and what it has found, as tests that any compiler runs; and some strokes of its
-// own.
+// Initial inputs of the fuzzing and its findings, as tests for any compiler, and some mutations.
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -79,7 +78,7 @@ std::string stroke(std::string text, std::mt19937& random) {
 }
 
 TEST_P(Fuzzed, SoAreStrokesAtIt) {
-  // OCTANT_FUZZ_STROKES=1000000 by hand tries as many others, wherever there is no libFuzzer.
+  // OCTANT_FUZZ_STROKES=1000000 tries this number of other mutations, where libFuzzer is not available.
   const char* many = std::getenv("OCTANT_FUZZ_STROKES");
   const long strokes = many != nullptr ? std::atol(many) : GetParam().strokes;
   std::mt19937 random(many != nullptr ? std::random_device{}() : 20261122);

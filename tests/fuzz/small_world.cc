@@ -125,7 +125,7 @@ void choose_path(Bytes& in, double metres, Scenario& s) {
   if (in.sometimes()) s.bearings = Scenario::Bearings{.unlabelled_fraction = std::abs(in.part()) * 0.9};
 }
 
-/// What is left of the recording after what came over it.
+/// Recording after the distortions.
 void distort(Bytes& in, MeasurementLog& run) {
   while (!in.empty() && !run.arrivals.empty()) {
     const std::size_t what = in.below(10), at = in.below(256) % run.arrivals.size(), other = in.byte();

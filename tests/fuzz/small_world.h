@@ -16,10 +16,9 @@ struct SmallWorld {
   MeasurementLog run;
 };
 
-/// Any well-formed one: what the bytes choose of a simulated world (any sizes, sigmas, clocks, delays,
-/// media), distorted by what they say after that, written and read back by the readers of files. At most
-/// eight beacons, three receivers and some hundred arrivals. Nothing where the readers refuse it, as they
-/// may.
+/// A well-formed world: the first bytes select a simulated world (any sizes, sigmas, clocks, delays, media),
+/// and the following bytes distort it. It is written, and read back by the readers of files. At most eight
+/// beacons, three receivers and about a hundred arrivals. No value if the readers refuse it.
 [[nodiscard]] std::optional<SmallWorld> small_world(std::string_view input);
 
 }  // namespace octant::fuzz

@@ -63,7 +63,7 @@ void must_be_numbers(const Solution& s) {
   must(std::isfinite(s.final_cost) && s.final_cost >= 0, "the cost is a number");
 }
 
-/// What the status says, the numbers say too.
+/// The numbers agree with the status.
 void must_agree(const calib::Problem& problem, const Solution& s) {
   must(!s.message.empty(), "the outcome has words");
   must(s.statistics.arrivals + s.statistics.rejected <= problem.runs[0].rows, "no arrival counts twice");

@@ -172,7 +172,7 @@ void take_in_run(const std::string& name, std::string_view input) {
   must_explain(io::read_run_ids(scratch(run)));
 }
 
-/// Whether names can be told of a run folder of one file.
+/// Returns true if names can be determined for a run folder of one file.
 bool written_run_reads(const std::string& name, std::string_view content) {
   const fs::path run = folder() / "run";
   for (const auto& entry : fs::directory_iterator(run)) fs::remove(entry.path());
@@ -218,7 +218,7 @@ void take_counters(std::string_view input) {
   must_explain(io::read_counter_log(written("counters.csv", input), names()));
 }
 
-/// What an imported log becomes is a run that reads back, or one whose rows are refused with a reason.
+/// An imported log becomes a run that can be read back, or its rows are refused with a reason.
 void must_become_a_run(Result<io::ImportedLog> log) {
   must_explain(log);
   if (!log) return;

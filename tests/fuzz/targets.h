@@ -12,7 +12,7 @@ namespace octant::fuzz {
 struct Target {
   std::string name;  ///< also of its folder in corpus/
   void (*take)(std::string_view input);
-  long strokes = 300;  ///< that the tests take at its corpus
+  long strokes = 300;  ///< number of mutations of its corpus in the tests
 };
 [[nodiscard]] const std::vector<Target>& targets();
 
