@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Histories on a PostgreSQL server that the test starts; skipped, and said so, where there is none or where
+// Histories on a PostgreSQL server that the test starts. Skipped, with a message, without a server or if
 // Octant was built without libpq.
 #include <pwd.h>
 #include <sys/wait.h>
@@ -24,7 +24,7 @@ namespace {
 
 using test::TemporaryFolder;
 
-/// initdb and pg_ctl of the newest server that is installed; nothing: none is.
+/// initdb and pg_ctl of the newest installed server; no value without one.
 std::optional<std::filesystem::path> server_programs() {
   std::optional<std::filesystem::path> newest;
   std::error_code none;
@@ -34,8 +34,8 @@ std::optional<std::filesystem::path> server_programs() {
   return newest;
 }
 
-/// A server of its own on a socket in a folder of its own. It refuses to run as root: then it is postgres',
-/// or nobody's.
+/// A separate server on a socket in a separate folder. It does not run as root, so it then runs as another
+/// user.
 class Server {
  public:
   explicit Server(const std::filesystem::path& programs) : programs_(programs) {
@@ -210,7 +210,7 @@ TEST_F(PostgresHistory, AFailedAdditionLeavesNothing) {
   EXPECT_EQ(history->list()->size(), 1u);
 }
 
-/// Who looks while another makes the tables sees none of them or all.
+/// A reader during the creation of the tables sees either no table or all.
 TEST_F(PostgresHistory, IsNeverAnothersWhileItIsMade) {
   auto looking = SqlStore::open(database(), true);
   ASSERT_TRUE(looking);

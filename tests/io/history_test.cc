@@ -191,7 +191,7 @@ TEST(History, EightWritersAtOnceLoseNothing) {
   EXPECT_EQ(history->calibrations("hall")->at(199).beacons.size(), 2u);
 }
 
-/// Who looks while another makes the file sees nothing or all of it.
+/// A reader during the creation of the file sees either no content or all.
 TEST(History, IsNeverAnothersWhileItIsMade) {
   const TemporaryFolder folder;
   for (int round = 0; round < 30; ++round) {

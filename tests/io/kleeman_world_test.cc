@@ -19,7 +19,7 @@ Scenario scenario() {
   return *read;
 }
 
-/// The same room with more stops: what a share of 99 % takes.
+/// The room with more stops, as a share of 99 % requires.
 Scenario anywhere() {
   Scenario s = scenario();
   s.heldout_path = s.path;
@@ -34,7 +34,7 @@ struct Tally {
   double worst_place_m = 0.0;
 };
 
-/// @param amplitudes  false: as if the log had none, and the site did not know of them
+/// @param amplitudes  false: a log without amplitudes, at a site without attenuation
 Tally headings(const Scenario& s, KleemanHeading heading, bool amplitudes = true) {
   World world = simulate(s, 1).value();
   if (!amplitudes) {
@@ -88,7 +88,7 @@ TEST(KleemanWorld, HeadingFromHearingIsWithinTenDegrees) {
   EXPECT_EQ(room.within_10, 1.0);
   EXPECT_EQ(run.within_10, 1.0);
   EXPECT_GE(run.fixes, 190);
-  // Without amplitudes which receivers hear is all: 4 degrees.
+  // Without amplitudes only the set of receiving receivers is known: 4 degrees.
   const Tally deaf = headings(anywhere(), KleemanHeading::kHearing, /*amplitudes=*/false);
   EXPECT_LT(deaf.rms, 4.2);
   EXPECT_GE(deaf.within_10, 0.97);

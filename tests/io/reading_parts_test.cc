@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What the reader of tof.csv is made of.
+// Parts of the reader of tof.csv.
 #include <set>
 
 #include "io/text/atomic_file.h"
@@ -29,7 +29,7 @@ TEST(MappedFile, IsTheFile) {
 }
 
 TEST(MappedFile, CopiesWhatCannotBeMapped) {
-  // The system makes up this file's content when it is asked, and gives no size: there is nothing to map.
+  // The system generates this file's content when it is read, and gives no size, so it cannot be mapped.
   if (::access("/proc/self/status", R_OK) != 0) GTEST_SKIP() << "no /proc here";
   EXPECT_EQ(MappedFile::open("/proc/self/status")->text(), read_file("/proc/self/status").value());
 }

@@ -208,7 +208,7 @@ TEST(BagLog, FaultsAreNamed) {
   std::string damaged = good;
   damaged[200] = static_cast<char>(damaged[200] ^ 1);
   EXPECT_THAT(fault(damaged), HasSubstr("checksum"));
-  // Cut short: what stands before is taken.
+  // A truncated file: the rows before the end are used.
   const auto cut =
       read_bag_log(box.write("cut.mcap", good.substr(0, good.size() / 2)), topics("range=/*@{beacon}"));
   ASSERT_TRUE(cut) << cut.error().message();

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What earlier versions wrote stays readable: golden/deployments has a file of each that changed the format.
+// Files of earlier versions remain readable: golden/deployments has a file of each that changed the format.
 #include <algorithm>
 #include <filesystem>
 #include <vector>

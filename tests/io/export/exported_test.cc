@@ -76,7 +76,7 @@ TEST(Exported, ARunGoesThroughMcapAndBack) {
   EXPECT_EQ(back->temperature_degC, log.temperature_degC);
   ASSERT_EQ(back->odometry.size(), log.odometry.size());
   for (std::size_t i = 1; i < log.odometry.size(); ++i) {
-    // Added up and taken apart again, in poses of some metres.
+    // Accumulated and differentiated again, in poses of some metres.
     EXPECT_NEAR(back->odometry[i].dx_m, log.odometry[i].dx_m, 1e-14);
     EXPECT_NEAR(back->odometry[i].dy_m, log.odometry[i].dy_m, 1e-14);
     EXPECT_NEAR(back->odometry[i].dheading_rad, log.odometry[i].dheading_rad, 1e-14);

@@ -161,7 +161,7 @@ TEST(McapWriter, TheFooterLeadsToTheSummaryAndChecksIt) {
   const std::size_t summary = footer.u(0, 8), offsets = footer.u(8, 8);
   EXPECT_EQ(summary, data_end.at + 9 + 4) << "right behind the data";
   EXPECT_EQ(data_end.u(0, 4), crc_of(file.substr(0, data_end.at)));
-  // Of the summary and the footer up to the checksum itself.
+  // Checksum of the summary and the footer up to the checksum itself.
   EXPECT_EQ(footer.u(16, 4), crc_of(file.substr(summary, footer.at + 9 + 16 - summary)));
   for (const Record& r : records) {
     if (r.op != 14) continue;

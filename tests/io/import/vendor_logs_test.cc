@@ -18,7 +18,7 @@ std::string tof_of(Result<ImportedLog> log, std::optional<double> speed_mps = {}
 
 TEST(VendorLogs, AMarvelmindDashboardsRawDistances) {
   const TemporaryFolder box;
-  // With the UNIX time, and as older dashboards write it, without; zero: not heard.
+  // With the UNIX time, and without it, as in files of older dashboards; zero: not received.
   const std::string with = box.write("a.csv",
                                      "1527774071500,0,1200,5,1.20,2.30,0.10,2,3.210,3,4.500,4,0.000\n"
                                      "1527774071700,200,1400,5,1.21,2.30,0.10,2,3.220,3,4.490,4,5.100\r\n");

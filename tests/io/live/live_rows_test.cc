@@ -183,8 +183,8 @@ TEST(LiveFixes, JsonIsJson) {
   EXPECT_EQ(ros["twist"]["covariance"][0], -1);
 }
 
-/// 10 m east and 20 m north of 48.14816 N, 17.10674 E on the tangent plane, by way of Cartesian coordinates
-/// of WGS 84: 48 degrees 8.9003920 minutes, 17 degrees 6.4124633 minutes.
+/// 10 m east and 20 m north of 48.14816 N, 17.10674 E on the tangent plane, via Cartesian coordinates of WGS
+/// 84: 48 degrees 8.9003920 minutes, 17 degrees 6.4124633 minutes.
 TEST(LiveFixes, NmeaIsOnTheEarth) {
   const std::string text = fix_as_nmea(some_fix(), {48.14816, 17.10674, 0.0, std::numbers::pi / 2});
   EXPECT_EQ(text.substr(0, 47), "$GPGGA,235959.99,4808.9003920,N,01706.4124633,E") << text;

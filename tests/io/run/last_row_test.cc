@@ -45,7 +45,7 @@ TEST(LastRow, OfAFileThatIsEndedIsNotLookedAt) {
   EXPECT_THAT(kept("time_s,beacon,tof_s").warnings, IsEmpty()) << "a header alone";
 }
 
-/// Wherever a log is cut, what is wrong is left out or told.
+/// For a log that ends anywhere, invalid parts are omitted or reported.
 TEST(LastRow, IsLeftOutWhereverItIsCut) {
   const std::string text = log_of(40), whole = log_of(39);
   for (std::size_t size = whole.size() + 1; size + 1 < text.size(); ++size) {

@@ -358,7 +358,7 @@ void assert_same(const MeasurementLog& a, const MeasurementLog& b) {
     const OdometryStep &o = a.odometry[i], &r = b.odometry[i];
     RC_ASSERT(o.time_s == r.time_s && o.dx_m == r.dx_m && o.dy_m == r.dy_m && o.dz_m == r.dz_m &&
               o.vehicle == r.vehicle && o.is_planar() == r.is_planar());
-    // By way of a quaternion, which is not the same to the last digit.
+    // Converted through a quaternion, which changes the last digit.
     const double off_rad = (o.turn_rad() - r.turn_rad()).norm();
     RC_ASSERT(off_rad <= (o.is_planar() ? 0.0 : 1e-12));
     RC_ASSERT(a.poses[i].time_s == b.poses[i].time_s && b.truth[i].time_s == a.truth[i].time_s);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Schemas and readers are written apart, key for key: here each key of a schema is put into a file with its
+// Schemas and readers are written separately. Here each key of a schema is written to a file with its
 // example, and the reader must know it.
 #include <algorithm>
 #include <functional>
@@ -52,7 +52,7 @@ KeysJson::json_pointer pointer_to(const std::string& path) {
   return KeysJson::json_pointer(text);
 }
 
-/// A file with that key, its containers as their own examples have them; none where these do not fit.
+/// A file with this key and its containers with their examples; no value if these do not fit.
 std::optional<KeysJson> with_key(KeysJson file, const std::map<std::string, KeysJson>& examples,
                                  const std::string& path, const std::string& name, const KeysJson& value) {
   std::size_t dot = 0;
@@ -71,7 +71,7 @@ std::optional<KeysJson> with_key(KeysJson file, const std::map<std::string, Keys
   return file;
 }
 
-/// Warnings of a file, none where it is refused: keys exclude each other.
+/// Warnings of a file; no value if it is refused, because keys exclude each other.
 using Warnings = std::optional<std::vector<std::string>>;
 
 bool says_unknown(const std::vector<std::string>& warnings) {
@@ -80,7 +80,7 @@ bool says_unknown(const std::vector<std::string>& warnings) {
   });
 }
 
-/// @param company  of keys that mean something beside others alone: what else the file holds
+/// @param company  other content of the file, for keys that have a meaning only together with others
 void expect_known(std::string_view format, const KeysJson& file,
                   const std::function<Warnings(const std::string&)>& read,
                   const std::map<std::string, KeysJson>& company = {}) {

@@ -53,7 +53,7 @@ bool is_number(const nlohmann::json& key, const nlohmann::json& root) {
          type == nlohmann::json({"integer", "null"});
 }
 
-/// Unit that the ending of a key's name states, in words: "m/s" of speed_mps; empty if it states none.
+/// Unit in words from the suffix of a key's name: "m/s" for speed_mps; empty without a suffix.
 std::string unit_of_key(const std::string& key) {
   using Unit = std::pair<std::string_view, std::string_view>;
   static constexpr std::array<Unit, 23> kUnits = {{{"_m_per_sqrt_m", "m per root of m"},
@@ -91,7 +91,7 @@ void check_words(const nlohmann::json& node, const nlohmann::json& root, const s
   if (!node.is_structured()) return;
   for (const char* list : {"properties", "columns"}) {
     if (!node.is_object() || !node.contains(list) || !node[list].is_object()) continue;
-    // A mapping has a key "columns", which is none of a file's list.
+    // A mapping has a key "columns", which is not a key of a file's list.
     if (std::string_view(list) == "columns" && !node.contains("description")) continue;
     const nlohmann::json required = node.value("required", nlohmann::json::array());
     for (const auto& [name, key] : node[list].items()) {
@@ -141,8 +141,9 @@ TEST(Schema, OfAFileAloneHasItsColumnsAndNoKeys) {
 
 TEST(Schema, APageHasARowForEachKeyAndColumn) {
   const std::string site = schema_page("site"), run = schema_page("run");
-  EXPECT_THAT(site,
-              testing::HasSubstr("| `timing.delay_sigma_s` | s | 0 | `0.0002` | standard deviation of the prior of a delay"));
+  EXPECT_THAT(
+      site, testing::HasSubstr(
+                "| `timing.delay_sigma_s` | s | 0 | `0.0002` | standard deviation of the prior of a delay"));
   EXPECT_THAT(site, testing::HasSubstr("| `motion` |  | required |"));
   for (const char* row : {"## odometry.csv", "| `dx_m` | m | required |", "| `range0_m, range1_m, ...` | m |",
                           "## truth.csv", "| `qx qy qz qw` |", "| `amplitude_v` | V |  | `1.8` |"})

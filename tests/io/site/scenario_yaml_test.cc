@@ -117,7 +117,7 @@ odometry: {distance_sigma_m_per_sqrt_m: 0.03, heading_sigma_rad_per_sqrt_m: 0.04
 struct Bad {
   const char* name;
   std::string text;   ///< after kMinimal
-  const char* where;  ///< how the message begins
+  const char* where;  ///< start of the message
   const char* named;  ///< and what it names
 };
 

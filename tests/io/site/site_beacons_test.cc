@@ -75,7 +75,7 @@ TEST(SiteBeacons, ReplacesThemAndWhatHungOnThem) {
 TEST(SiteBeacons, RefusesWhatIsNoSite) {
   EXPECT_FALSE(with_beacons("octant_site: 7\n", "site.yaml", kNew, true));
   EXPECT_FALSE(with_beacons("a: [", "site.yaml", kNew, true));
-  // A name that is taken: the new text would not be a site.
+  // A name that is used already: the new text would not be a valid site.
   EXPECT_FALSE(with_beacons(kSite, "site.yaml", {{"B1", {0, 0, 0}, 0.1, {}}}, true));
 }
 

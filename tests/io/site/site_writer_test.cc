@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What the writer of site files writes, the reader reads.
+// The reader reads site files of the writer.
 #include "io/site/site_yaml.h"
 
 #include "models/physics/receiver_array.h"

@@ -304,7 +304,7 @@ TEST(SiteYaml, AliasesThatMultiplyAreTooMany) {
     text += "]\n";
   }
   expect_error(read(text + kTail), 9, "more than 1000000 values");
-  // Once or twice they are what they stand for.
+  // Used once or twice, they have their normal meaning.
   expect_error(read(kHead + "a: &a [x]\nvehicles: *a\nbeacons: *a\n"), 3, "'x'; expected a mapping");
 }
 

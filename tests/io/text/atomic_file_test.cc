@@ -56,7 +56,7 @@ TEST(AtomicFile, SaysWhenTheDiskIsFull) {
   expect_error(write_file("/dev/full", "x"), 0, "No space left", "/dev/full");
 }
 
-// A limit on the size of files stands in for a full disk: the write fails half way.
+// A limit on the size of files simulates a full disk: the write fails half way.
 TEST(AtomicFile, LeavesTheOldFileWholeWhenWritingFails) {
   const TemporaryFolder folder;
   folder.write("a", "old");

@@ -53,7 +53,7 @@ std::size_t offset_of(const std::string& text, TextPosition at) {
   return offset + static_cast<std::size_t>(at.column) - 1;
 }
 
-/// Whether a text begins with a value, by a parser that is given no more than it.
+/// Returns true if a text begins with a value, by a parser that receives only this value.
 bool begins_with(const std::string& text, const Json& value) {
   for (std::size_t end = text.size(); end > 0; --end)
     if (Json::accept(text.substr(0, end))) return Json::parse(text.substr(0, end)) == value;

@@ -69,7 +69,7 @@ TEST(Staging, WhatADeadProcessLeftIsRemovedAndNothingElse) {
   EXPECT_EQ(names_in(folder), others);
 }
 
-/// A process on another machine has a number that nobody has here: it holds a lock on what it makes.
+/// A process on another machine has a number that is unused here: it locks its temporary files.
 TEST(Staging, WhatSomebodyHoldsStays) {
   const TemporaryFolder folder;
   const std::string name = "out." + std::to_string(gone()) + ".0.tmp";

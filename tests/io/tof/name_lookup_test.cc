@@ -42,7 +42,7 @@ TEST(NameLookup, ARowThatNamesNoneMeansTheOnlyOneOrTheRobot) {
   EXPECT_EQ(told.vehicle(""), VehicleId(0)) << "what run.yaml says";
 }
 
-/// What is said of the first row's cells.
+/// Result for the cells of the first row.
 std::string said(const NameTable& table, const std::string& text) {
   CsvReader csv(text, "run/tof.csv");
   const NameLookup names(table);

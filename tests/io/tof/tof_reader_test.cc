@@ -18,7 +18,7 @@ const NameTable kNames{.beacons = {"B0", "B1", "B10", "north-east corner", "Süd
                        .vehicles = {"robot", "cart"},
                        .receivers = {{"r0", VehicleId(0)}, {"r1", VehicleId(0)}, {"r0", VehicleId(1)}}};
 
-/// All that reading has come to, as one text to compare: numbers by their bits.
+/// Complete result of the reader as a text for comparison: numbers by their bits.
 std::string outcome_of(const std::string& path, Clock clock, const TofReaderOptions& options) {
   const NameLookup names(kNames);
   TofReader reader(std::make_shared<const MappedFile>(MappedFile::open(path).value()), "tof.csv", names,
@@ -52,7 +52,7 @@ std::string outcome_of_text(const std::string& text, const TofReaderOptions& opt
   return outcome_of(folder.write("tof.csv", text), clock, options);
 }
 
-/// One in so many.
+/// Returns true with a probability of 1 / one_in.
 bool rarely(std::mt19937& random, unsigned one_in) { return random() % one_in == 0; }
 template <class... Text>
 std::string one_of(std::mt19937& random, const Text&... texts) {

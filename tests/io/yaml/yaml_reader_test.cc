@@ -13,7 +13,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// A document, its mapping and what reading it came to.
+/// A document, its mapping and the result of the reader.
 struct Reading {
   explicit Reading(const std::string& text)
       : node(parse_yaml(text, "a.yaml").value()), log("a.yaml"), map(node, "", log) {}
@@ -228,7 +228,7 @@ TEST(YamlReader, KeysThatNobodyKnowsAreWarningsWithWhatTheyMayMean) {
   EXPECT_EQ(r.error(), "");
 }
 
-/// Without its place a beacon means something else: one that nobody knows.
+/// Without its position a beacon has another meaning: its position is unknown.
 TEST(YamlReader, AMisspeltPlaceIsAnError) {
   Reading r("positon_m: [1, 2, 3]\n");
   (void)r.map.numbers("position_m", 3);

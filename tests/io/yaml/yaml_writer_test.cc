@@ -51,7 +51,7 @@ TEST(YamlText, NamesInAnyScriptReadBack) {
 }
 
 /// Characters beyond ASCII that end a line or are not allowed in YAML at all (YAML 1.1, 5.1 and 5.4), but may
-/// stand in a name that came from a CSV file.
+/// occur in a name from a CSV file.
 TEST(YamlText, BreaksAndControlsBeyondAsciiReadBack) {
   for (const char* odd :
        {"a\xC2\x80z", "a\xC2\x85z", "a\xC2\x9Fz", "a\xE2\x80\xA8z", "a\xE2\x80\xA9z", "a\x7Fz",
