@@ -26,7 +26,7 @@ class Batch : public ::testing::Test {
                     .exit,
                 0);
   }
-  /// A list: hall 1, a site that is not there, a run that is none, hall 2 with a report.
+  /// A list: hall 1, a missing site, an invalid run, hall 2 with a report.
   void list(const std::string& more = "") const {
     spit(box / "sites.yaml",
          "octant_batch: 1\nsites:\n"

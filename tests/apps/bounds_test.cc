@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What is absurdly large, deep or many is refused after little reading and in little memory.
+// Absurdly large, deep or numerous content is refused early and in little memory.
 #include <filesystem>
 
 #include <gmock/gmock.h>
@@ -18,7 +18,7 @@ constexpr double kMost_mb = with_sanitizer_mb(100);
 
 class Bounds : public HallFolder {
  protected:
-  /// A file that begins with a text and goes on with nothing for ten gigabytes.
+  /// A sparse file that begins with a text and continues with zeros for ten gigabytes.
   static void huge(const std::string& path, const std::string& head) {
     spit(path, head);
     std::filesystem::resize_file(path, kHuge);

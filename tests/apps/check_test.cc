@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// octant check as a process: exit codes, one JSON object, nothing written, truth.tum never opened.
+// octant check as a process: exit codes, one JSON object, no files written, truth.tum never opened.
 #include <filesystem>
 #include <regex>
 #include <set>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What a newcomer asks for: a site file to begin with, help, completion, words.
+// First steps of a new user: an initial site file, help, completion, glossary.
 #include <algorithm>
 #include <filesystem>
 #include <regex>
@@ -70,7 +70,7 @@ TEST_F(Init, FilledInItIsASiteThatCalibrates) {
   make(40);
   ASSERT_EQ(octant({"init", hall("run"), "-o", out("site.yaml")}).exit, 0);
   std::string text = slurp(out("site.yaml"));
-  // What a newcomer would type: the beacons as the simulated site has them, the octagon, the temperature.
+  // Site file of a new user: the beacons of the simulated site, the octagon, the temperature.
   const std::string known = slurp(hall("site.yaml"));
   const auto block = [](const std::string& of, const std::string& from, const std::string& to) {
     const std::size_t begin = of.find(from);
@@ -154,7 +154,7 @@ TEST(Help, ManPageHasEachCommandAndOption) {
 class FirstMistakes : public HallFolder {
  protected:
   void SetUp() override { make(12); }
-  /// What the program says, and that it is a refusal of that kind.
+  /// Returns the program's message, and checks its exit code.
   std::string said(const std::vector<std::string>& words, int exit) {
     const Outcome outcome = octant(words);
     EXPECT_EQ(outcome.exit, exit) << outcome.err;
@@ -170,7 +170,7 @@ TEST_F(FirstMistakes, AreAnsweredWithTheWayOut) {
   EXPECT_THAT(said({"check", hall("run")}, 2), HasSubstr("is a folder, so a recording, and the site file"));
   EXPECT_THAT(said({"calibrate", hall("run"), hall("site.yaml"), "-o", out("d.json")}, 3),
               HasSubstr("a site file, which stands before the run folders"));
-  // The folder above, one that is not there, one with nothing.
+  // The parent folder, a missing folder, an empty folder.
   for (const char* command : {"calibrate", "init"}) {
     std::vector<std::string> words = {command, hall("")};
     if (words[0] == "calibrate") words = {"calibrate", hall("site.yaml"), hall(""), "-o", out("d.json")};
@@ -261,7 +261,7 @@ TEST(Completion, KnowsCommandsAndOptions) {
   const std::string bash = octant({"completion", "bash"}).out;
   TemporaryFolder box;
   spit(box / "octant.bash", bash);
-  // What bash would offer behind these words.
+  // Completions that bash would offer after these words.
   const auto offered = [&](const std::string& words, int last) {
     const std::string script = ". " + (box / "octant.bash") + "; COMP_WORDS=(" + words +
                                "); COMP_CWORD=" + std::to_string(last) +

@@ -66,7 +66,7 @@ bool alike(const std::string& said, const std::string& printed) {
   return true;
 }
 
-/// Whether a text prints as another says, in which a line of "..." stands for any lines.
+/// Returns true if an output matches an expected text, in which a line of "..." matches any lines.
 testing::AssertionResult prints(const std::string& said, const std::string& printed) {
   std::istringstream in_said(said), in_printed(printed);
   bool any = false;
@@ -147,8 +147,7 @@ TEST_P(Guide, EachCommandPrintsWhatThePageSays) {
   }
 }
 
-// Somebody who never saw Octant types what the first page says, on a machine with nothing, and has a
-// deployment that was verified.
+// A new user types the commands of the first page on a new machine, and gets a verified deployment.
 TEST(GuidePages, FromABareMachineToAVerifiedDeployment) {
   Checkout newcomer;
   bool verified = false, installed = false;

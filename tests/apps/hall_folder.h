@@ -13,8 +13,7 @@
 
 namespace octant::test {
 
-/// A simulated hall in a folder of its own, smaller than the demo's, and a folder beside it for what is made
-/// of it.
+/// A simulated hall in its own folder, smaller than the demo's, and a second folder for results.
 class HallFolder : public ::testing::Test {
  protected:
   void SetUp() override { make(40); }

@@ -104,7 +104,7 @@ TEST_F(HistoryFolder, KeepsVisitsByDateWithWhoAndWhy) {
 
 TEST_F(HistoryFolder, TheSameDeploymentTwiceIsOneVisit) {
   ASSERT_EQ(history({"add", file(1)}).exit, 0);
-  // The same content in another layout, under another name.
+  // Equal content in another layout, under another name.
   spit(box / "copy.json", nlohmann::json::parse(slurp(file(1))).dump());
   const auto again = history({"add", box / "copy.json", file(1), "--json"}).json();
   EXPECT_EQ(again.at("added"), 0);
@@ -219,8 +219,7 @@ class KilledWriters : public HistoryFolder {
     auto check = (*database)->prepare("PRAGMA integrity_check");
     ASSERT_TRUE(check && (*check)->next());
     EXPECT_EQ((*check)->text(0), "ok");
-    // All that was told to be added is there; one that was killed between commit and its end may be there
-    // too.
+    // All confirmed additions are there; one that was killed between commit and its end may be there too.
     const std::size_t found = visits();
     EXPECT_GE(found, told);
     EXPECT_LE(found, told + static_cast<std::size_t>(kills));

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Every writing command killed (SIGKILL) at moments drawn over the time that it takes: what it writes is
-// there as it was before, whole, or not at all; inputs are as they were; the next run leaves nothing behind.
+// Kills every writing command (SIGKILL) at random times during its run. Its output is then unchanged,
+// complete, or missing; inputs are unchanged; the next run leaves no temporary files.
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>

@@ -73,7 +73,7 @@ TEST_F(Methods, AutoMatchesUnlabelledBearings) {
   EXPECT_GE(said["fixes"].get<int>(), 55);
 }
 
-/// `--heading`: from which receivers hear, as published and as sectors, and interpolated;
+/// `--heading`: from the set of receivers that receive, as published and as sectors, and interpolated;
 /// datasets/kleeman/README.md.
 TEST_F(Methods, KleemansHeadingIsChosen) {
   make("kleeman");

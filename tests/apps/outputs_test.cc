@@ -86,7 +86,7 @@ TEST_F(Outputs, ChangesAreSaidWithoutAReport) {
 
 TEST_F(Outputs, NoFixIsNotALackOfReference) {
   ASSERT_EQ(calibrate().exit, 0);
-  // A fifth too slow: nothing agrees.
+  // A fifth too slow: no arrivals agree.
   spit(hall("heldout/run.yaml"), "octant_run: 1\ntemperature_degC: -90\n");
   const Outcome verify = octant({"verify", out("d.json"), hall("heldout"), "--json"});
   ASSERT_EQ(verify.json()["fixes"], 0);

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Every output of every command held against every input, by its name, through a link and as a hard link.
+// Compares every output of every command with every input: by its name, through a symbolic link and as a hard
+// link.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -74,8 +75,8 @@ class Overwriting : public HallFolder {
         {{"report", d, "-o", other, "--since", d, "--certificate", "OUT"}, {d}}};
   }
 
-  /// Both names as an output: exit 2 (by the words alone where the name has no fitting ending), nothing
-  /// changed.
+  /// Both names as an output: exit 2 (by the arguments alone if the name has no fitting extension), with all
+  /// files unchanged.
   void expect_refused(std::vector<std::string> words, const std::string& as, const std::string& input) {
     for (std::string& word : words)
       if (word == "OUT") word = as;

@@ -114,7 +114,7 @@ bool octant_killed(const std::vector<std::string>& words, double after_s) {
 
 nlohmann::json Outcome::json() const {
   if (out.empty() || out.back() != '\n' || std::count(out.begin(), out.end(), '\n') != 1) return nullptr;
-  // The library accepts no NaN and no Infinity, as JSON has none.
+  // The library accepts neither NaN nor Infinity, like JSON.
   auto object = nlohmann::json::parse(out, nullptr, false);
   return object.is_object() ? object : nlohmann::json(nullptr);
 }

@@ -13,8 +13,8 @@
 
 namespace octant::test {
 
-/// What a process may take where it may take that much: the address sanitizer's shadow, and what it keeps of
-/// freed memory, come on top; the thread sanitizer's is four times what is touched.
+/// Memory limit of a process, adjusted for sanitizers. The address sanitizer adds its shadow and freed
+/// memory; the thread sanitizer needs four times the used memory.
 constexpr double with_sanitizer_mb(double mb) {
 #ifdef __SANITIZE_THREAD__
   return 5.0 * mb + 300.0;
@@ -25,22 +25,22 @@ constexpr double with_sanitizer_mb(double mb) {
 #endif
 }
 
-/// How a process ended.
+/// Outcome of a process.
 struct Outcome {
   int exit = -1;  ///< 128 + signal where one ended it
   std::string out, err;
-  double largest_mb = 0.0;  ///< of its resident set
+  double largest_mb = 0.0;  ///< maximum of its resident set
   /// Standard output as the one JSON object that it must be: one line, no NaN; null otherwise.
   [[nodiscard]] nlohmann::json json() const;
 };
 
 struct RunOptions {
-  std::vector<std::string> environment;                 ///< KEY=value beside the tests' own
+  std::vector<std::string> environment;                 ///< KEY=value, in addition to the tests' own
   std::string folder;                                   ///< to run in
   bool on_terminal = false;                             ///< standard error is a terminal
   int interrupt_signal = 0;                             ///< sent as soon as standard error says something
   std::string out_file;                                 ///< standard output goes there
-  std::vector<std::pair<int, std::uint64_t>> limits{};  ///< of its resources: RLIMIT_AS, bytes
+  std::vector<std::pair<int, std::uint64_t>> limits{};  ///< limits of its resources: RLIMIT_AS, bytes
 };
 
 /// Runs the octant binary with these words.
@@ -49,7 +49,7 @@ struct RunOptions {
 /// Runs it, and ends it by SIGKILL after some time. @return whether it had done its work by then
 [[nodiscard]] bool octant_killed(const std::vector<std::string>& words, double after_s);
 
-/// Whether this machine has pseudo-terminals; some containers mount no /dev/pts.
+/// Returns true if this machine has pseudo-terminals; some containers mount no /dev/pts.
 [[nodiscard]] bool has_terminals();
 
 /// A folder of its own for a test, removed afterwards.

@@ -121,7 +121,7 @@ TEST(Ranks, BadInputIsSaidOnce) {
   EXPECT_FALSE(std::filesystem::exists(folder / "d.json"));
 }
 
-/// One rank cannot read what the others can: the job ends, nobody waits, nothing is written.
+/// One rank cannot read a file that the others can: the job ends without a deadlock and without output.
 TEST(Ranks, OneThatFailsEndsTheJob) {
   const TemporaryFolder folder;
   const std::string world = simulated_hall(folder);
@@ -141,7 +141,7 @@ TEST(Ranks, OneThatFailsEndsTheJob) {
   EXPECT_FALSE(std::filesystem::exists(folder / "d.json"));
 }
 
-/// One rank is killed while it reads: the launcher ends the job, and nothing is written.
+/// One rank is killed while it reads: the launcher ends the job, without output.
 TEST(Ranks, OneThatIsKilledEndsTheJob) {
   if (std::string(OCTANT_FAULTY_SYSTEM).empty()) GTEST_SKIP() << "a sanitizer wants to be loaded first";
   const TemporaryFolder folder;

@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// A calibrated hall, and the held-out run as a second visit.
+/// A calibrated hall, and the validation run as a second visit.
 class SecondVisit : public HallFolder {
  protected:
   void SetUp() override {

@@ -208,7 +208,7 @@ TEST_F(Road, ABrokenGateIsExit6) {
 }
 
 TEST_F(Road, NoFixAtAllIsSaidAndIsNoFailure) {
-  // One arrival an epoch determines nothing.
+  // One arrival in each epoch determines no pose.
   spit(hall("heldout/tof.csv"), "time_s,epoch,beacon,receiver,tof_s\n1,1,B1,r0,0.01\n6,2,B2,r0,0.01\n");
   const Outcome none =
       octant({"localize", hall("deployment.true.json"), hall("heldout"), "-o", box / "out/f.tum", "--json"});

@@ -129,17 +129,18 @@ TEST(Rooms, NoFolderHoldsMoreThanOneSeesAtAGlance) {
 
 constexpr int kMostFileLines = 400, kMostFunctionLines = 60;
 
-/// What is longer than a file should be, as it is now: these may only become shorter, and leave the list once
-/// they keep the limit.
+/// Files above the limit, with their present length. They may only become shorter, and leave the list when
+/// they meet the limit.
 const std::map<std::string, int> kLongFiles = {};
-/// The same for functions: file, first words up to the parentheses (of a test, with them).
+/// Functions above the limit: file, first words up to the parentheses (for a test, including these).
 const std::map<std::string, int> kLongFunctions = {{"tests/bench/drive_bench.cc: double build", 69}};
 
 std::string from_root(const std::filesystem::path& file) {
   return std::filesystem::relative(file, OCTANT_SOURCE_DIR).string();
 }
 
-/// Keeps `most`, or what the list allows to be left over from before; and nothing is listed that keeps it.
+/// Checks the limit `most`, or the length in the list of exceptions, and that the list has no entry that
+/// meets the limit.
 void expect_at_most(int most, const std::map<std::string, int>& listed, const std::string& what, int lines) {
   const auto left = listed.find(what);
   EXPECT_LE(lines, left == listed.end() ? most : left->second) << what;
@@ -161,7 +162,7 @@ TEST(Rooms, FilesAndFunctionsAreShortEnoughToRead) {
   EXPECT_GT(functions, 3000U);
 }
 
-/// Which other nodes each node includes: folders, or units (a header and its source).
+/// Include graph: other nodes that each node includes. Nodes are folders, or units (a header and its source).
 using Arrows = std::map<std::string, std::set<std::string>>;
 
 template <class Node>

@@ -9,10 +9,10 @@
 namespace octant::test {
 namespace {
 
-/// Comments and literals as spaces, line by line; the lines inside raw literals are told.
+/// Text with comments and literals replaced by spaces, line by line.
 struct Plain {
   std::string code;
-  std::vector<bool> data;  ///< of each line
+  std::vector<bool> data;  ///< for each line: it is inside a raw literal
 };
 
 std::size_t end_of_literal(std::string_view text, std::size_t at) {
@@ -69,7 +69,7 @@ Plain plain(std::string_view text) {
   return p;
 }
 
-/// What stands before a brace without what stands in parentheses and angle brackets.
+/// Text before a brace without the content of parentheses and angle brackets.
 std::string outside_brackets(std::string_view head) {
   std::string outside;
   int depth = 0;
@@ -83,8 +83,8 @@ std::string outside_brackets(std::string_view head) {
   return outside;
 }
 
-/// Whether a brace after this text, in a namespace or a class, opens a function's body: there are parameters,
-/// and it is neither a type (alignas has parentheses too) nor an initial value.
+/// Returns true if a brace after this text, in a namespace or a class, opens a function's body: there are
+/// parameters, and it is neither a type (alignas has parentheses too) nor an initial value.
 bool opens_function(std::string_view head) {
   if (head.find("operator") != std::string_view::npos) return true;
   const std::string outside = outside_brackets(head);
@@ -93,7 +93,7 @@ bool opens_function(std::string_view head) {
          !std::regex_search(outside, type);
 }
 
-/// One space for any run of white space, none at the ends.
+/// Replaces white space by single spaces, and removes it at the ends.
 std::string folded(std::string_view text) {
   std::string out;
   for (const char c : text)

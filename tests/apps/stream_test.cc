@@ -50,7 +50,7 @@ class Stream : public HallFolder {
   }
 };
 
-/// Every so many-th data row with its line changed.
+/// Changes data rows at regular intervals.
 template <class Change>
 std::string changed(const std::string& text, int every, Change&& change) {
   std::string out;
@@ -92,7 +92,7 @@ TEST_F(Stream, DrivesGiveTheAnswerOfTheWhole) {
   expect_the_same(10001, both);  // states, at the rows of odometry.csv
 }
 
-// What contradicts the data has the same words, wherever the arrivals are, and plan passes it on.
+// Contradictions have the same descriptions for streamed arrivals, and plan reports them too.
 TEST_F(Stream, NamesTheSameCulprits) {
   std::string site = slurp(hall("site.yaml"));
   const std::string stated = "position_m: [19.95, 8.15, 2.48]";  // control point B3

@@ -99,13 +99,13 @@ TEST(SurveyCommand, EachColumnIsExplained) {
   }
 }
 
-// Nothing but the recording says how far a beacon is heard: the calibration keeps it.
+// Only the recording determines the range of reception: the calibration stores it.
 TEST(SurveyCommand, ADeploymentKeepsHowFarItHeard) {
   const TemporaryFolder folder;
   spit(folder / "scenario.yaml", slurp(std::string(OCTANT_SOURCE_DIR) + "/datasets/hall/scenario.yaml"));
   ASSERT_EQ(octant({"simulate", folder / "scenario.yaml", "-o", folder / "hall", "-q"}).exit, 0);
   ASSERT_THAT(slurp(folder / "hall/site.yaml"), Not(HasSubstr("attenuation"))) << "which would tell";
-  // What is farther than nine metres was not heard.
+  // Beacons farther than nine metres were not received.
   std::istringstream rows(slurp(folder / "hall/run/tof.csv"));
   std::string near, row;
   for (bool head = true; std::getline(rows, row); head = false) {
@@ -143,7 +143,7 @@ TEST(SurveyCommand, SaysWhoFiresWhen) {
   EXPECT_EQ(beacons, 18U);
   for (const auto& [key, value] : told.items())
     EXPECT_EQ(value, planned[key]) << key;  // the same as when asked for
-  // Nothing says how far a pulse is heard: no schedule, and no fault.
+  // The range of a pulse is unknown: no schedule, and no error.
   spit(folder / "site.yaml",
        aisles("  acoustics: {frequency_hz: 40000, amplitude_1m_v: 8.0, threshold_v: 0.02}\n", ""));
   const auto silent = octant({"survey", folder / "site.yaml", "--json", "--cell", "0.5", "--failures", "0"});

@@ -133,7 +133,7 @@ TEST_F(ExplainedWords, OfTheTerminalAreExplained) {
 }
 
 TEST_F(ExplainedWords, OfTheGuideAreExplained) {
-  // What the page on reading the report sets in bold.
+  // Bold terms of the page on the report.
   const std::string page =
       slurp((std::filesystem::path(OCTANT_SOURCE_DIR) / "apps/guide/2-reading-the-report.md").string());
   const std::regex bold(R"(\*\*([^*]+)\*\*)");

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What crosses between a program and the libraries: matrices that one side allocates and the other frees,
-// values with Eigen's types within, localizers that live on either side.
+// Objects that cross between a program and the libraries: matrices that one side allocates and the other
+// frees, values that contain Eigen's types, localizers that live on either side.
 #include <cstdio>
 #include <memory>
 #include <vector>

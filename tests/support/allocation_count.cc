@@ -43,7 +43,7 @@ void* operator new(std::size_t size) { return take(size); }
 void* operator new[](std::size_t size) { return take(size); }
 void* operator new(std::size_t size, std::align_val_t alignment) { return take(size, alignment); }
 void* operator new[](std::size_t size, std::align_val_t alignment) { return take(size, alignment); }
-// Of the whole family: a sanitizer's own nothrow new would not go with a delete from here.
+// Replaces the whole family, because a sanitizer's own nothrow new would not match a delete from here.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return take_or_null(size); }
 void* operator new[](std::size_t size, const std::nothrow_t&) noexcept { return take_or_null(size); }
 void* operator new(std::size_t size, std::align_val_t alignment, const std::nothrow_t&) noexcept {

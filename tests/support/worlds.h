@@ -23,7 +23,7 @@ T must(Result<T> result) {
   return std::move(*result);
 }
 
-/// A beacon known to sigma_m; 0 is a control point, nothing means nobody knows where it is.
+/// A beacon known to sigma_m; 0: control point, no value: unknown position.
 inline SiteBeacon beacon(const std::string& name, const Eigen::Vector3d& p_map_m,
                          std::optional<double> sigma_m) {
   SiteBeacon b;
@@ -98,7 +98,7 @@ inline Scenario hall_scenario() {
   return s;
 }
 
-/// The same hall, driven through at 0.6 m/s with odometry at 20 Hz.
+/// The hall with a drive at 0.6 m/s with odometry at 20 Hz.
 inline Scenario drive_scenario(double duration_s = 120.0) {
   Scenario s = hall_scenario();
   for (Scenario::Path* path : {&s.path, &s.heldout_path}) {
@@ -108,7 +108,7 @@ inline Scenario drive_scenario(double duration_s = 120.0) {
   return s;
 }
 
-/// A world in which nothing is noisy, nothing unknown: measured values are the measurement equation's.
+/// A world without noise and unknowns: measured values equal the measurement equation's.
 inline Scenario without_noise(Scenario s) {
   s.site.noise.tof_sigma_s = 0.0;
   s.site.noise.amplitude_relative_sigma = 0.0;

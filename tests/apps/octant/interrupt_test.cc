@@ -18,11 +18,11 @@ namespace {
 
 struct Ended {
   int code = -1;    ///< exit code; -1: by a signal
-  int signal = 0;   ///< that ended it
-  std::string out;  ///< what it wrote to standard output
+  int signal = 0;   ///< signal that ended it
+  std::string out;  ///< its standard output
 };
 
-/// What a process comes to that does this and then exits with 0 (or 1 where it says false).
+/// Outcome of a process that calls this function and then exits with 0 (or 1 if it returns false).
 Ended run(const std::function<bool()>& work) {
   int out[2];
   EXPECT_EQ(::pipe(out), 0);

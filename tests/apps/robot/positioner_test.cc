@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// The library of a robot's own program against the rooms that it stands on, row by row.
+// Compares the robot library with the modules that it uses, row by row.
 #include "apps/robot/octant/positioner.h"
 
 #include <cmath>

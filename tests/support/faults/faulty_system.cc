@@ -38,7 +38,7 @@ Function* real(const char* name) {
   return reinterpret_cast<Function*>(::dlsym(RTLD_NEXT, name));
 }
 
-/// What stands behind a fault's name in OCTANT_FAULTS; null: it is not asked for. "": nothing does.
+/// Value after a fault's name in OCTANT_FAULTS; null if it is not requested, "" without a value.
 const char* asked(const char* fault) {
   static const std::string all =
       std::string(" ") + (::getenv("OCTANT_FAULTS") ? ::getenv("OCTANT_FAULTS") : "");
@@ -63,7 +63,7 @@ std::size_t most(std::size_t size) {
   return asked("short") != nullptr ? std::min<std::size_t>(size, 7) : size;
 }
 
-/// How many of `size` bytes the disk still takes.
+/// Number of the `size` bytes for which the disk has space.
 std::size_t room(int fd, std::size_t size) {
   const char* bytes = asked("full=");
   if (bytes == nullptr || !is_file(fd)) return size;
@@ -78,7 +78,7 @@ std::string path_of(int fd) {
   return size < 0 ? "" : std::string(path, static_cast<std::size_t>(size));
 }
 
-/// Whether a fault asks for the file that is open.
+/// Returns true if a fault applies to the open file.
 bool hits(const char* fault, const std::string& path) {
   const char* name = asked(fault);
   if (name == nullptr) return false;

@@ -41,7 +41,7 @@ ReportInput fullest_report() {
   return input;
 }
 
-/// What of a report shows, in both of its forms.
+/// Content of a report in both of its forms.
 std::string shown(const ReportInput& input) {
   return report_html(input, {.interactive = false}) + report_markdown(input);
 }
