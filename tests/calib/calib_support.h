@@ -39,7 +39,7 @@ inline double worst_beacon_m(const World& world, const calib::Solution& solution
   return worst;
 }
 
-/// A held-out fix less the truth at its instant: x, y [m], heading [rad].
+/// A validation fix minus the truth at its time: x, y [m], heading [rad].
 inline Eigen::Vector3d fix_error(const World& world, const Fix& fix) {
   Pose truth;
   EXPECT_TRUE(interpolate_poses(world.heldout.truth, fix.time_s, 10.0, truth));

@@ -63,7 +63,7 @@ const FalseStatement kFalseStatements[] = {
      }},
 };
 
-/// What contradicts the data, without figures that depend on the way.
+/// Contradictions, without values that depend on the method.
 std::vector<std::string> culprits(const calib::Solution& solution) {
   std::vector<std::string> found = {std::string("status ") + calib::to_string(solution.status)};
   for (const Contradiction& c : solution.contradictions)

@@ -14,7 +14,7 @@
 namespace octant::test {
 namespace {
 
-/// A held log that tells what it is asked, and may offer something else to start from.
+/// An in-memory log that records the calls, and may offer another sample for the start.
 class WatchedLog : public calib::HeldLog {
  public:
   WatchedLog(const calib::Problem& problem, const calib::SolveOptions& options,
@@ -90,7 +90,7 @@ TEST(Calibrator, AsksALogForItsStepsInTurn) {
   }
 }
 
-// A part that tells nothing is no reason to refuse what is held as a whole.
+// A sample without information does not refuse an in-memory log.
 TEST(Calibrator, StartsFromTheWholeWhereAPartGivesNoStart) {
   const World world = must(simulate(small_hall(), 2));
   const calib::Problem problem = problem_of(world);
@@ -131,7 +131,7 @@ TEST(Calibrator, ErrorsOfReadingAreErrorsAndAnInterruptionIsAnOutcome) {
     }
 }
 
-// Nothing tells the scale: why it is refused comes with what was to be said before.
+// The scale is undetermined: the reason for the refusal comes with the earlier warnings.
 TEST(Calibrator, ARefusalKeepsWarnings) {
   World world = must(simulate(small_hall(), 4));
   for (SiteBeacon& b : world.site.beacons) b.position_m = {}, b.sigma_m = {};

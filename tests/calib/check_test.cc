@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What is said of recordings before they are calibrated: their health, and the verdict predicted from a part
-// of them.
+// Findings in recordings before a calibration: their health, and the verdict predicted from a part of them.
 #include "calib/check.h"
 
 #include <algorithm>
@@ -174,7 +173,7 @@ TEST(Thin, KeepsEveryBeaconAndFewEpochsOfMany) {
   for (std::size_t b = 0; b < heard.size(); ++b) EXPECT_GE(heard[b], std::min<std::size_t>(all[b], 40)) << b;
   EXPECT_TRUE(std::is_sorted(few.arrivals.begin(), few.arrivals.end(),
                              [](const Arrival& a, const Arrival& b) { return a.time_s < b.time_s; }));
-  // Whole epochs: as many arrivals as the original has in them.
+  // Whole epochs with the same number of arrivals as the original.
   std::size_t in_them = 0;
   for (const Arrival& a : big.arrivals) in_them += epochs.contains(a.epoch);
   EXPECT_EQ(few.arrivals.size(), in_them);
@@ -191,7 +190,7 @@ TEST(Thin, ALongStandKeepsSomeOfEachPair) {
   EXPECT_EQ(calib::subsample(stand, world.site).arrivals.size(), 16 * world.run.arrivals.size());
 }
 
-// A stretch is three seconds; who asks for few gets few, and nobody more than a site needs.
+// A segment is three seconds long; a request for few gets few, and never more than a site needs.
 TEST(Thin, ADriveKeepsAsFewStretchesAsAreAskedFor) {
   const World world = must(simulate(drive_scenario(300.0), 1));
   const auto kept = [&](std::size_t fewest) {

@@ -19,8 +19,8 @@ namespace {
 Scenario drifting_hall() {
   Scenario s = hall_scenario();
   s.path.epochs = 60;
-  // With one firing of each beacon a cycle a drift looks like a delay of each beacon; the second firing tells
-  // them apart.
+  // With one firing of each beacon in each cycle, a drift resembles a delay of each beacon. The second firing
+  // distinguishes them.
   s.path.rounds = 2;
   s.site.timing.clock = Clock::kCycleOffset;
   s.site.timing.delay_per = {};
@@ -29,8 +29,8 @@ Scenario drifting_hall() {
   return s;
 }
 
-// 100 ppm over a cycle of 0.8 s are 27 mm: seen in every epoch, and the beacons are wrong where it is not
-// taken out.
+// 100 ppm over a cycle of 0.8 s are 27 mm: visible in every epoch, and the beacons are wrong without a
+// correction.
 TEST(ClockDrift, IsCalibratedWithinItsSigma) {
   double squares = 0.0;
   const int seeds = 5;
@@ -240,8 +240,8 @@ TEST(MotionPrior, DerivativesMatchNumericOnes) {
   }
 }
 
-/// The array's directivity is calibrated with all else, from amplitudes. Against the same logs read as if
-/// receivers heard all round alike: what is off the axis is then late for no reason.
+/// The array's directivity is calibrated from amplitudes with everything else. Compared with the same logs
+/// calibrated for omnidirectional receivers, in which arrivals off the axis appear late.
 TEST(Directivity, IsCalibratedFromAmplitudes) {
   double nees = 0.0, dof = 0.0, squares = 0.0, squares_blind = 0.0;
   for (std::uint64_t seed = 5; seed <= 12; ++seed) {
@@ -277,8 +277,7 @@ TEST(Directivity, IsCalibratedFromAmplitudes) {
   EXPECT_LT(25 * squares, squares_blind) << "five times the error";
 }
 
-/// What calibration found is what fixes are made with: in time and in amplitude, by the walk off the axis as
-/// well.
+/// Fixes use the results of the calibration: in time and in amplitude, including the walk off the axis.
 TEST(Directivity, ServesTheFixes) {
   double nees = 0.0, dof = 0.0;
   for (std::uint64_t seed = 21; seed <= 32; ++seed) {

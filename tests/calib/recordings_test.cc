@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Public recordings that lie beside the repository, against an independent solution of each. Skipped where
+// Public recordings, stored next to the repository, compared with an independent solution of each. Skipped if
 // they are absent.
 #include <algorithm>
 #include <filesystem>
@@ -139,7 +139,7 @@ TEST_F(Recordings, LiasFast) {
   ASSERT_EQ(r.solution.status, SolveStatus::kConverged) << r.solution.message;
   EXPECT_LT(median(off_reference(r, "lias-fast")), 0.10);
   EXPECT_LT(locate(r, "lias-fast/driven").position_rmse_m, 0.031);
-  // Errors of a place and a pair: a program that says nothing of it is too sure of itself.
+  // Errors of a position and a pair: a program that ignores them reports too small sigmas.
   EXPECT_THAT(r.solution.warnings, testing::Contains(testing::HasSubstr("errors are correlated")));
 }
 
@@ -189,7 +189,7 @@ TEST_F(Recordings, ADelayThatTheDataDoNotSupportLeavesTheBeacons) {
     EXPECT_LT((with.solution.state.beacon_p_map_m[b] - without.solution.state.beacon_p_map_m[b]).norm(), 0.2);
 }
 
-/// A table of readings over taped distances: the pair's delay, scale and attenuation, as one beacon and
+/// A table of measurements over taped distances: the pair's delay, scale and attenuation, as one beacon and
 /// measured poses.
 TEST_F(Recordings, HyuStatic) {
   std::ifstream table(kRecordings / "hyu-static" / "static_los.csv");
@@ -238,9 +238,9 @@ TEST_F(Recordings, HyuStatic) {
   const calib::Problem problem = must(calib::make_problem(site, {log}));
   const calib::Solution solution = calib::solve(problem);
   ASSERT_EQ(solution.status, SolveStatus::kConverged) << solution.message;
-  // range = s distance + o with s 1.00407, o 0.0999 m, and A = 1.5553e-4 V, a = -0.02790 Np/m. Ours is a
-  // least-squares fit of the readings within four sigmas, theirs a robust one of all: a tenth of the residual
-  // sigma (0.05 m) in the offset, and that over 60 m in the scale.
+  // range = s distance + o with s 1.00407, o 0.0999 m, and A = 1.5553e-4 V, a = -0.02790 Np/m. Octant's is a
+  // least-squares fit of the measurements within four sigmas, the reference a robust one of all: tolerance of
+  // a tenth of the residual sigma (0.05 m) in the offset, and that over 60 m in the scale.
   const double speed_mps = 299792458.0 + solution.state.speed_offset_mps[0];
   EXPECT_NEAR(299792458.0 / speed_mps, 1.00407, 0.001);
   EXPECT_NEAR(299792458.0 * solution.state.site_delay_s, 0.0999, 0.03);

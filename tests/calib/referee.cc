@@ -246,7 +246,7 @@ class Referee {
   void free_one(double* block, const std::string& name, double si) {
     if (ceres_.HasParameterBlock(block)) free_.push_back({block, 0, name, si});
   }
-  /// Fixed coordinates of a block are held; the free ones are listed by name.
+  /// Fixed coordinates of a block stay constant; the free ones are listed by name.
   void free_three(double* block, const std::array<bool, 3>& fixed, const std::array<std::string, 3>& names,
                   const std::array<double, 3>& si) {
     if (!ceres_.HasParameterBlock(block)) return;

@@ -12,7 +12,7 @@
 
 namespace octant::test {
 
-/// What the referee finds: cost at the optimum, values and joint covariance of the free shared parameters, in
+/// Result of the referee: cost at the optimum, values and joint covariance of the free shared parameters, in
 /// SI units and in the order of `parameters` (names as in the joint covariance of a solution).
 struct RefereeResult {
   bool converged = false;

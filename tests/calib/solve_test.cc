@@ -23,7 +23,7 @@ using testing::Not;
 TEST(Solve, NoiseFreeWorldGivesTheTruth) {
   World world = must(simulate(without_noise(hall_scenario()), 1));
   world.site.noise.tof_sigma_s = 1e-5;  // a weight is needed; the data carry no noise
-  // Nor may the priors pull: wide, or at the truth.
+  // The priors must have no effect either: wide, or at the truth.
   for (SiteBeacon& b : world.site.beacons)
     for (auto& sigma : b.sigma_m)
       if (*sigma > 0) sigma = 1e4;
@@ -58,8 +58,8 @@ TEST(Solve, ErrorsAreWhatTheCovarianceSays) {
   EXPECT_LT(nees, 1.15 * chi2_quantile(1 - 1e-4, dof));
 }
 
-// Taken for so bad, poses explain all of what the arrivals are off by, whose noise would go to nothing and
-// with it the sigmas of all later fixes.
+// Poses assumed to be so inaccurate absorb all errors of the arrivals. Their noise would decrease to zero,
+// and with it the sigmas of all later fixes.
 TEST(Solve, PosesBetterThanStatedLeaveTheArrivalsTheirNoise) {
   for (const bool has_odometry : {true, false}) {
     Scenario s = drive_scenario(120.0);
@@ -107,7 +107,8 @@ TEST(Solve, FixesOfACalibratedSiteAreWhatTheirCovarianceSays) {
 }
 
 TEST(Solve, HeadingsDoNotFlipWhileTheBeaconsAreRough) {
-  // Worlds in which beacons and flipped headings once held each other: wrong by decimetres, and exported.
+  // Worlds in which beacons and flipped headings once kept each other wrong: errors of decimetres were
+  // exported.
   for (const std::uint64_t seed : {2003, 2018, 2050, 2116, 2125, 2133, 2165, 2183}) {
     Scenario s = hall_scenario();
     s.path.epochs = 40;
@@ -163,8 +164,7 @@ TEST(Solve, EchoesAreLeftOutAndListed) {
   const calib::Solution solution = solution_of(world);
   ASSERT_EQ(solution.status, SolveStatus::kConverged);
   EXPECT_LT(worst_beacon_m(world, solution), 0.02);
-  // Where three beacons with two direct arrivals each and seven in all agree, an echo must not be taken for
-  // direct.
+  // If three beacons with two direct arrivals each and seven in all agree, an echo must not count as direct.
   std::map<std::int64_t, std::map<BeaconId, int>> direct;
   for (std::size_t i = 0; i < world.run.arrivals.size(); ++i)
     if (world.run_lateness_s[i] == 0.0) ++direct[world.run.arrivals[i].epoch][world.run.arrivals[i].beacon];
@@ -232,7 +232,7 @@ TEST(Solve, NothingKnownButTapesGivesAFreeNetwork) {
                   0.02);
     }
   }
-  // Inner constraints: the covariance says nothing of motions of the whole.
+  // Inner constraints: the covariance contains no motions of the whole.
   double translation = 0.0;
   for (std::size_t i = 0; i < solution.covariance.parameters.size(); ++i)
     for (std::size_t j = 0; j < solution.covariance.parameters.size(); ++j) {

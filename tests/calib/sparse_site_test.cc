@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Sites of so many beacons that no matrix of all parameters is formed.
+// Sites with too many beacons for a dense matrix of all parameters.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -28,8 +28,8 @@ using ::testing::HasSubstr;
 
 constexpr double kSpacingM = 4.5;
 
-/// A hall with a beacon every 4.5 m, every 25th a control point, the others known to 0.3 m; stops along its
-/// aisles hear the six to eight within 7 m at three receivers.
+/// A hall with a beacon every 4.5 m, every 25th a control point, the others known to 0.3 m. Stops along its
+/// aisles receive the six to eight within 7 m at three receivers.
 Scenario wide_hall(int along, int across, int epochs, double sigma_m = 0.3) {
   Scenario s;
   s.site.name = "wide hall";
@@ -73,8 +73,8 @@ calib::Solution sparsely(const World& world) {
   return solution_of(world, options);
 }
 
-/// All that both ways tell of the parameters; they differ by rounding alone, of which the covariance sees the
-/// square root.
+/// Compares all results of both methods; they differ only by rounding, of which the covariance has the square
+/// root.
 void expect_same(const calib::Solution& dense, const calib::Solution& sparse, double place_share = 1e-9) {
   ASSERT_EQ(dense.status, sparse.status);
   ASSERT_TRUE(sparse.covariance.parameters.empty());
@@ -138,7 +138,7 @@ TEST(SparseSite, IsSolvedAsADenseOne) {
                 1e-5 * *a.beacons[i].lateness_mdb_s);
     EXPECT_NEAR(*a.beacons[i].lateness_influence_m, *b.beacons[i].lateness_influence_m,
                 1e-4 * *a.beacons[i].lateness_influence_m);
-    // Of the beacons heard at the stop alone; an arrival moves those most.
+    // Only for the beacons received at the stop, which an arrival moves most.
     EXPECT_LE(*b.beacons[i].influence_worst_m, *a.beacons[i].influence_worst_m * (1 + 1e-6));
     EXPECT_GE(*b.beacons[i].influence_worst_m, 0.9 * *a.beacons[i].influence_worst_m);
   }
@@ -171,7 +171,7 @@ void expect_same_streamed(const World& world) {
   for (const calib::Solution& answer : answers) expect_same(dense, answer, 1e-8);
 }
 
-// What is said to be the least that streaming takes holds the sums; a drive ties all beacons.
+// The stated least memory of streaming covers the sums; a drive connects all beacons.
 TEST(SparseSite, SumsAreReckonedWith) {
   const MeasurementLog run;
   const auto least = [&](const Scenario& scenario, std::size_t odometry_rows) {

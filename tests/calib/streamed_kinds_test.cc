@@ -16,7 +16,7 @@
 namespace octant::test {
 namespace {
 
-/// The run drives, the held-out one stands.
+/// The run is a drive, the validation run has stops.
 World drive_and_stops(int seed, double duration_s, int epochs) {
   Scenario s = drive_scenario(duration_s);
   s.heldout_path.kind = PathKind::kStops;
@@ -33,7 +33,7 @@ TEST(StreamedLog, StopsAndDrivesSayWhatTheWholeSays) {
   expect_same_drive(world.site, {world.heldout, world.run});
 }
 
-// A short drive beside many stops, with noise that only the chi-square test sees.
+// A short drive and many stops, with noise that only the chi-square test detects.
 TEST(StreamedLog, FindsTheNoiseOfStopsAndDrives) {
   const World world = drive_and_stops(2, 150.0, 4200);
   Site site = world.site;
@@ -90,7 +90,7 @@ TEST(StreamedLog, PosesMayBeBetterThanStated) {
   expect_same_drive(world.site, {world.run});
 }
 
-// One receiver, no headings: it is held where it is stated, and measured places are off by its sigma as well.
+// One receiver, no headings: its position is fixed, and measured positions have its sigma in addition.
 TEST(StreamedLog, AReceiverThatIsHeldMayBeStreamed) {
   Scenario s = hall_scenario();
   s.site.vehicles.clear();
@@ -107,7 +107,7 @@ TEST(StreamedLog, AReceiverThatIsHeldMayBeStreamed) {
   expect_same_drive(world.site, {world.run});
 }
 
-// Nothing but arrivals: what lies between silences hangs together by the prior, and is whole in its chunk.
+// Only arrivals: data between pauses are connected by the prior, and are complete in one chunk.
 TEST(StreamedLog, DrivesWithAMotionPriorMayBeStreamed) {
   Scenario s = drive_scenario(300.0);
   s.heldout_path.duration_s = 5.0;
@@ -161,7 +161,7 @@ TEST(StreamedLog, StopsTiedByOdometryMayBeStreamed) {
   expect_same_drive(world.site, {world.run});
 }
 
-// The one has odometry, the other, of the same run, has none: a piece of the one and a chunk of the other.
+// One vehicle of the run has odometry, the other has not: a piece of the first and a chunk of the second.
 TEST(StreamedLog, AVehicleWithoutOdometryMayBeBesideADrive) {
   World world = must(simulate(drive_scenario(240.0), 24));
   const std::size_t receivers = world.site.receivers.size();

@@ -44,10 +44,10 @@ double largest_shift_m(const calib::Solution& a, const calib::Solution& b) {
   return largest;
 }
 
-/// How closely the log that is streamed agrees with the whole.
+/// Agreement of the streamed log with the log in memory.
 struct Agreement {
-  /// Of the plain root mean square: where arrivals differ in noise it is not what the states minimise, and
-  /// feels what is left of their last step to first order.
+  /// Tolerance of the root mean square without weights: if the noise of arrivals differs, the states do not
+  /// minimise it, and the remainder of their last step affects it to first order.
   double rms_share = 1e-8;
   double shift_m = 1e-7;  ///< of beacons
 };
@@ -79,7 +79,7 @@ void expect_same(const calib::Problem& problem, const calib::Solution& whole,
   for (std::size_t b = 0; b < part.totals->of_beacon.size(); ++b)
     for (std::size_t r = 1; r < calib::kRejections; ++r) counted[r] += part.totals->of_beacon[b][r];
   EXPECT_EQ(counted, left_out);
-  // The epochs looked at are those that would be looked at of the whole.
+  // The examined epochs are those that would be examined of the whole.
   ASSERT_TRUE(part.reliability.ok);
   EXPECT_EQ(part.reliability.stride, whole.reliability.stride);
   ASSERT_EQ(part.reliability.arrivals.size(), whole.reliability.arrivals.size());
@@ -112,7 +112,7 @@ TEST(Streamed, SaysWhatTheWholeSays) {
   expect_same(world, world.site);
 }
 
-// With more epochs than are looked at one by one, and some that no search can place.
+// With more epochs than are examined singly, and some for which the search finds no pose.
 TEST(Streamed, SaysWhatTheWholeSaysOfSomeEpochs) {
   World world = must(simulate(long_hall(6200, 0.01), 3));
   std::erase_if(world.run.arrivals,
@@ -146,7 +146,8 @@ TEST(Streamed, EpochsMayHaveClockOffsets) {
   s.site.timing.delay_per = {};
   s.true_delay_s.reset();
   const World world = must(simulate(s, 15));
-  // A thousandth of the beacons' sigma: offsets are solved beside the poses, to the same share of the cost.
+  // A thousandth of the beacons' sigma: offsets are solved together with the poses, to the same share of the
+  // cost.
   expect_same(world, world.site, {.shift_m = 4e-7});
 }
 
@@ -180,7 +181,7 @@ TEST(Streamed, StopsMayHaveBearings) {
   expect_same_bearings(whole, part.solution);
 }
 
-// A stop that only bearings tell of is none of a log that is known by its arrivals; that is said.
+// A stop with bearings only is not part of a log that is indexed by its arrivals; there is a warning.
 TEST(Streamed, BearingsOfSilentStopsAreLeftOutAndSaidToBe) {
   Scenario s = long_hall(4100);
   s.site.noise.bearing_sigma_rad = 0.02;

@@ -45,7 +45,7 @@ class Team {
   std::vector<double> sum_;
 };
 
-/// work(rank) on so many of them.
+/// Runs work(rank) on this number of ranks.
 template <class Work>
 void for_each_rank(int count, Work&& work) {
   Team team(count);

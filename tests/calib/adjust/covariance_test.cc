@@ -57,7 +57,7 @@ struct RingNet {
 
 Eigen::MatrixXd none(const Eigen::MatrixXd& N) { return Eigen::MatrixXd(N.rows(), 0); }
 
-/// Everything that a covariance tells, against a matrix.
+/// Compares all results of a covariance with those of a matrix.
 void expect_is(const calib::Covariance& C, const Eigen::MatrixXd& want, double tolerance) {
   ASSERT_EQ(C.size(), want.rows());
   const double most = tolerance * want.cwiseAbs().maxCoeff();

@@ -105,7 +105,7 @@ TEST(Leverage, IsTheHatMatrixsDiagonal) {
     EXPECT_NEAR(l.shift_m, stops.shift_m(row), 1e-4 * stops.shift_m(row)) << row;
   });
   EXPECT_EQ(rows, stops.t.arrivals.size());
-  // Of the priors too; and all leverages together are the unknowns.
+  // Leverages of the priors too; the sum of all leverages is the number of unknowns.
   for (int c = 0; c < stops.layout.size(); ++c) {
     const double prior = sweep.leverage_of({{c, std::sqrt(stops.prior[c])}});
     EXPECT_NEAR(prior, stops.prior[c] * stops.normal_inverse(c, c), 1e-6);

@@ -15,7 +15,7 @@
 
 namespace octant::test {
 
-/// A world near its solution: states settled, parameters a little off.
+/// A world near its solution: solved states, parameters with small errors.
 struct NearTruth : AtTruth {
   calib::ParameterLayout layout;
   Eigen::VectorXd x;
@@ -77,7 +77,7 @@ inline Scenario short_drive() {
   return s;
 }
 
-/// In the scale of each parameter: what both lose where states take away most of what is told of it.
+/// In the scale of each parameter: both lose digits if states absorb most of its information.
 inline void expect_same_system(const calib::ReducedSystem& a, const calib::ReducedSystem& b,
                                double tolerance) {
   const Eigen::VectorXd scale = b.H.diagonal().cwiseMax(1e-9).cwiseSqrt().cwiseInverse();

@@ -15,7 +15,7 @@
 namespace octant::test {
 namespace {
 
-/// The hall with three tapes, of which one ends at a control point.
+/// The hall with three taped distances, one of them to a control point.
 calib::Problem taped_hall() {
   calib::Problem problem;
   problem.site = hall_scenario().site;
@@ -119,7 +119,7 @@ TEST(Priors, ATapeBetweenBeaconsAtOnePlaceIsANumber) {
 TEST(Priors, InformationIsTheSecondDerivativeOfTheCost) {
   calib::Problem problem = taped_hall();
   calib::ParameterLayout layout = layout_of(problem);
-  // Of two beacons together, and none of their own.
+  // A joint prior of two beacons, without separate ones.
   std::vector<int> columns;
   for (const std::size_t b : {1U, 2U})
     for (const int c : layout.beacon[b]) columns.push_back(c);
@@ -158,7 +158,7 @@ TEST(Priors, ElementsAddUpToTheInformation) {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(layout.size(), layout.size());
   calib::for_each_of_prior(problem, layout, x, [&](int i, int j, double value) { sum(i, j) += value; });
   EXPECT_EQ(sum, calib::prior_information(problem, layout, x));
-  // Held against rows: a prior each, a tape each.
+  // Compared with rows: one for each prior and each tape.
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(layout.size(), layout.size());
   for (int c = 0; c < layout.size(); ++c)
     rows(c, c) = std::pow(layout.parameters[static_cast<std::size_t>(c)].prior_sigma, -2);

@@ -72,7 +72,7 @@ Scenario quiet_hall(int epochs) {
   return s;
 }
 
-/// A hall without noise, each arrival off by what is put on it.
+/// A hall without noise, with a given error for each arrival.
 struct Arrivals : AtTruth {
   explicit Arrivals(int epochs = 20) : AtTruth(quiet_hall(epochs), 1) {
     for (ArrivalObservation& a : all()) a.sigma_s = 1e-5;
@@ -81,8 +81,9 @@ struct Arrivals : AtTruth {
   void put_off(std::size_t i, double sigmas) { all()[i].tof_s += sigmas * all()[i].sigma_s; }
 };
 
-// Where two or three arrivals tell a place they agree, whatever the noise is: what was found in that way was
-// a hundredth of it, half of a log was left out, and a control point was contradicted by 26 sigmas.
+// If two or three arrivals determine a position they agree, whatever the noise. The noise estimated from them
+// was a hundredth of the true one, half of a log was rejected, and a control point was contradicted by 26
+// sigmas.
 TEST(AgreeingSigma, OfStopsThatHearHardlyMoreThanTheirPlaceIsNoLessThanStated) {
   Arrivals arrivals;
   const auto sigma = [&] { return calib::agreeing_sigma(arrivals.trajectories, arrivals.state); };

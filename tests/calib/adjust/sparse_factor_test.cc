@@ -114,7 +114,7 @@ TEST(SparseFactor, OfASingularMatrixHasNoConditionToSpeakOf) {
   N.setFromTriplets(triplets.begin(), triplets.end());
   const auto factor = calib::SparseFactor::of(N);
   if (factor != nullptr) EXPECT_LT(factor->condition(), 1e-14);
-  // Held at one end it is a chain of unit steps: the variance grows by one a step.
+  // Fixed at one end it is a chain of unit steps: the variance grows by one with each step.
   N.coeffRef(0, 0) += 1.0;
   const auto held = calib::SparseFactor::of(N);
   ASSERT_NE(held, nullptr);

@@ -41,7 +41,8 @@ struct DenseWindow {
           a[at(k) + i] = draws.normal();
           if (k < states) a[at(k + 1) + i] = draws.normal();
         }
-        // To a plain state's neighbour alone: rows between two states are none of the border's.
+        // Coupling to the neighbour of a plain state only: rows between two states do not belong to the
+        // border.
         const bool sees = plain[k] == 0 && (k == states || plain[k + 1] == 0) && row >= n;
         for (Eigen::Index c = 0; sees && c + 1 < w; ++c)
           a[border() + c] = c % 3 == row % 3 ? draws.normal() : 0.0;
@@ -51,7 +52,7 @@ struct DenseWindow {
     }
   }
 
-  /// What is left of the state behind and the border.
+  /// Remainder of the next state and the border.
   [[nodiscard]] Eigen::MatrixXd schur() const {
     const Eigen::Index m = at(states), rest = A.rows() - m;
     return A.bottomRightCorner(rest, rest) -
@@ -138,7 +139,7 @@ TEST(ChainKernel, EndsWithTheLastStateWhereNoneFollows) {
   Random draws(11);
   for (const int n : {3, 4, 6, 7}) {
     DenseWindow w(n, 5, calib::kBorderPad, draws);
-    // Nothing couples to a state behind them.
+    // There is no coupling to a later state.
     w.A.middleRows(w.at(5), n).setZero();
     w.A.middleCols(w.at(5), n).setZero();
     Laid laid(w);
@@ -176,7 +177,7 @@ TEST(ChainKernel, AStateWithoutAnyInformationIsHeldAndLeavesNumbers) {
   Laid laid(w);
   calib::eliminate(laid.window, 0.0, 1e-9);
   EXPECT_TRUE(laid.H_of(w).allFinite());
-  // The same without it: nothing that it took away, and nothing passed on through it.
+  // Without it: neither its elimination nor the coupling through it.
   Eigen::MatrixXd A = w.A;
   for (int i = 0; i < 3; ++i) A(w.at(2) + i, w.at(2) + i) = 1.0;
   w.A = A;

@@ -27,10 +27,10 @@ struct Kind {
   bool cycle_offset = false, attenuation = false, pair_bias = false, motion_prior = false;
   std::size_t nodes = 1800;
   bool others = true;           ///< bearings and measured poses
-  std::size_t heard_every = 1;  ///< of so many states one hears
+  std::size_t heard_every = 1;  ///< one of this number of states receives
 };
 
-/// A drive among the beacons of the hall with observations that are off by noise, and the states by more.
+/// A drive among the beacons of the hall whose observations have noise, and whose states have larger errors.
 struct Chain {
   calib::Problem problem;
   SharedState state;
@@ -108,7 +108,7 @@ struct Chain {
   }
 };
 
-/// The same by sparse factors of all rows at once.
+/// Reference by sparse factors of all rows at once.
 calib::ReducedSystem by_sparse_factors(const Chain& chain, const RobustLoss& loss) {
   const Eigen::Index size = chain.t.block_size(),
                      states = size * static_cast<Eigen::Index>(chain.t.nodes.size()), m = chain.layout.size();
@@ -171,7 +171,7 @@ TEST_P(ChainReductionOf, IsTheSchurComplementOfAllRows) {
   const Chain chain(GetParam());
   for (const RobustLoss& loss : {RobustLoss{}, RobustLoss{.late_scale = 1.5, .early_scale = 2.5}}) {
     const calib::ReducedSystem dense = by_sparse_factors(chain, loss), here = by_chain(chain, loss, 1);
-    // Both lose some digits where states take away nearly all that is told of a parameter.
+    // Both lose some digits if states absorb nearly all information on a parameter.
     const Eigen::VectorXd scale = dense.H.diagonal().cwiseMax(1e-9).cwiseSqrt();
     const Eigen::MatrixXd off =
         scale.cwiseInverse().asDiagonal() * (here.H - dense.H) * scale.cwiseInverse().asDiagonal();
@@ -205,7 +205,7 @@ struct Pieces {
       first = last;
     }
   }
-  /// @param held  solves for what is between the ends first
+  /// @param held  solves the inner states first
   calib::EndChain joined(bool held) {
     std::vector<int> place(static_cast<std::size_t>(chain.layout.size()));
     std::iota(place.begin(), place.end(), 0);

@@ -77,8 +77,8 @@ TEST(ErrorModel, SigmasHoldWhereErrorsHaveAMemory) {
     honest += nees_of(world, solution, false) / kWorlds;
     white += nees_of(world, solution, true) / kWorlds;
   }
-  // Some ten independent stretches a pair: the variances behind the sigmas are known to a third, and eight
-  // worlds share that out.
+  // About ten independent segments for each pair: the variances behind the sigmas are known to a third,
+  // averaged over eight worlds.
   EXPECT_GT(honest, 0.3);
   EXPECT_LT(honest, 2.5);
   EXPECT_GT(white, 4.0) << "white noise would do: this test tests nothing";

@@ -20,7 +20,7 @@ std::ptrdiff_t chains_of(const calib::ErrorSample& sample) {
   return std::count_if(links.begin(), links.end(), [](const auto& link) { return link.next_size == 0; });
 }
 
-// Stretches that are cut from a long drive leave of white errors what the sample predicts.
+// Segments of a long drive absorb white errors as the sample predicts.
 TEST(ErrorSample, StretchesOfALongDriveLeaveWhatTheyShould) {
   const calib::Problem problem = problem_of(must(simulate(drive_scenario(260.0), 4)));
   const calib::Solution solution = calib::solve(problem);

@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kRedundancy = 10'000.0;
 
-/// The noise that three steps end at, from one that is off by `factor`, where a part of the squares is of
-/// observations whose noise is as stated.
+/// Noise after three steps, starting with an error of `factor`, if a part of the squares comes from
+/// observations with fixed noise.
 double searched(double factor, double part_of_others) {
   NoiseSearch search;
   for (int round = 0; round < 3; ++round)
@@ -57,8 +57,8 @@ TEST(NoiseSearch, SquaresThatDoNotFallAreNotChasedWithoutEnd) {
   EXPECT_LT(factor, std::pow(std::sqrt(1.5), 13.0));
 }
 
-/// Moments at measured poses, of which each hears `receivers` arrivals, all from one direction: what the
-/// squares and redundancies of both are, with variances as they are taken and as they are.
+/// Times with a measured pose, each with arrivals at `receivers` receivers from one direction: squares and
+/// redundancies of both, for assumed and true variances.
 DataSquares moments(double receivers, double arrivals, double poses, double true_arrivals,
                     double true_poses) {
   constexpr double kMoments = 2000.0;
@@ -73,7 +73,7 @@ DataSquares moments(double receivers, double arrivals, double poses, double true
   return data;
 }
 
-/// Variances of arrivals and poses that the search ends at, both taken for one.
+/// Final variances of arrivals and poses, starting from one for both.
 std::pair<double, double> variances_found(double receivers, double true_arrivals, double true_poses) {
   NoiseSearch search;
   double arrivals = 1.0, poses = 1.0;
@@ -86,7 +86,8 @@ std::pair<double, double> variances_found(double receivers, double true_arrivals
   return {arrivals, poses};
 }
 
-// The noise of the arrivals alone would go to nothing: what poses are taken for explains more than there is.
+// Without a component for the poses, the noise of the arrivals would decrease to zero, because the assumed
+// noise of the poses explains more than all squares.
 TEST(NoiseSearch, PosesBetterThanStatedLeaveTheArrivalsTheirs) {
   const auto [of_arrivals, of_poses] = variances_found(8, 1.0, 0.01);
   EXPECT_NEAR(of_arrivals, 1.0, 0.15);
@@ -105,7 +106,7 @@ TEST(NoiseSearch, PosesThatSeemWorseThanStatedAreLeft) {
   EXPECT_EQ(variances_found(8, 1.0, 1.0), std::pair(1.0, 1.0));
 }
 
-// By a dense inverse of all states of a stretch.
+// Reference: dense inverse of all states of a segment.
 TEST(SquaresOfPoses, HaveTheirShareOfTheRedundancy) {
   Scenario scenario = test::drive_scenario(20.0);
   scenario.log_poses = true;
@@ -151,7 +152,7 @@ TEST(SquaresOfPoses, HaveTheirShareOfTheRedundancy) {
   }
 }
 
-/// An adjustment of arrivals alone whose noise is off by a factor, as a log that is adjusted again.
+/// An adjustment of arrivals only whose noise has a wrong factor, like a log that is adjusted again.
 struct ScaledLog {
   double factor = 1.0;
   int adjusted = 0, scaled = 0, fails_at = 0;

@@ -18,7 +18,7 @@
 namespace octant::test {
 namespace {
 
-/// A measured pose that says nothing, so that the kernel leaves the epoch to the general path.
+/// A measured pose without weight, which makes the kernel leave the epoch to the general method.
 void make_general(Trajectory& t) {
   const std::vector<PoseObservation> measured = std::exchange(t.poses, {});
   for (Segment& s : t.segments) {
@@ -31,8 +31,9 @@ void make_general(Trajectory& t) {
   }
 }
 
-/// Measures the poses of a third of the stops, the headings of another third; these badly, so that between
-/// what is told and what is found there often is the half turn where headings begin anew.
+/// Measures the poses of a third of the stops, and the headings of another third. The headings are
+/// inaccurate, so that the half turn at which headings wrap is often between the measured and the estimated
+/// one.
 void measure_poses(Trajectory& t) {
   Random draws(5);
   for (std::size_t i = 0; i < t.segments.size(); ++i) {
@@ -107,8 +108,8 @@ void expect_same(Sides& s, const RobustLoss& loss) {
     tile->commit();
     tile->rewind();
   }
-  // What is left of a direction that the states absorb (the turn of an array) is rounding of what was there
-  // before.
+  // The remainder of a direction that the states absorb (the rotation of an array) is rounding error of the
+  // original.
   const double rounding = 1e-13 * b.H.diagonal().maxCoeff();
   for (Eigen::Index i = 0; i < a.H.rows(); ++i) {
     // A state off by what is left to gain moves the gradient by about the root of that.
@@ -164,7 +165,7 @@ TEST(StopBlock, EveryInstructionSetGivesTheSame) {
     EXPECT_GE(names.size(), 2U);  // x86-64 has SSE2 at least, and some more
 }
 
-/// Several arrivals over one path in an epoch, and epochs that hear hardly anything, in one pack with others.
+/// Several arrivals over one path in an epoch, and epochs with hardly any arrivals, in one pack with others.
 TEST(StopBlock, RepeatedArrivalsAndLonelyOnes) {
   Sides s = sides_of(small_hall(21), 0.02);
   for (std::vector<Trajectory>* side : {&s.fast, &s.general}) {

@@ -38,8 +38,8 @@ TEST(HeldLog, OffersAPartOfALongLogAndThenTheWhole) {
   }
 }
 
-// At the end no arrival in use is beyond the limit and none that is left out is well within it; the noise of
-// all arrivals follows the scale, and a wrong one shows in the statistics.
+// At the end all arrivals in use are within the limit, and all rejected ones are near or beyond it. The noise
+// of all arrivals follows the scale, and a wrong scale shows in the statistics.
 TEST(HeldLog, AdjustsTheArrivalsThatAgree) {
   const World world = hall(60, 2);
   const calib::Problem problem = problem_of(world);

@@ -25,8 +25,8 @@ TEST(LogCounts, AreOfEachBeacon) {
   EXPECT_EQ(counts.poses, 0.0);
 }
 
-// Of a quarter of the epochs: values and residuals are those of the part, sigmas those of all, which are half
-// as large, and are predicted within a tenth.
+// A quarter of the epochs: values and residuals are those of the part. The sigmas are those of all epochs,
+// half as large, predicted within a tenth.
 TEST(SubsampledLog, HasTheVerdictOfTheWhole) {
   Scenario s = hall_scenario();
   s.path.epochs = 480;
@@ -60,7 +60,7 @@ TEST(SubsampledLog, HasTheVerdictOfTheWhole) {
   EXPECT_NEAR(ratio / count, 1.0, 0.1);
 }
 
-// Nothing is subsampled: nothing is weighed.
+// Without subsampling there are no weights.
 TEST(SubsampledLog, OfAllIsTheLog) {
   const World world = must(simulate(hall_scenario(), 3));
   const calib::Problem problem = problem_of(world);

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What a stop says, against numeric derivatives of the times of flight and a dense Schur complement.
+// Information of a stop, compared with numeric derivatives of the times of flight and a dense Schur
+// complement.
 #include "calib/plan/station_information.h"
 
 #include <numbers>
@@ -97,7 +98,7 @@ TEST(StationInformation, OnlyWhatIsSurelyHeardCounts) {
   EXPECT_EQ(calib::stop_rows(k, at, 0.0, model).arrivals, (std::vector<std::size_t>{0, 3, 0, 0}));
 }
 
-/// One beacon's ranges do not tell a pose, and then nothing of what is shared.
+/// The ranges of one beacon do not determine a pose, and thus no shared parameter.
 TEST(StationInformation, NoRowsWhereThePoseIsNotTold) {
   const calib::Knowledge k = must(calib::knowledge_of(small_site()));
   calib::StopModel model;

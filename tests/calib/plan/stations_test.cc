@@ -151,7 +151,7 @@ void expect_as_adjusted(Scenario s) {
   Eigen::MatrixXd told = Eigen::MatrixXd::Zero(adjusted.rows(), adjusted.cols());
   calib::add_information(rows, told);
   EXPECT_GT(told.norm(), 0.0);
-  // A microsecond's share of the time into a cycle and 1e-7 of the pose: nothing else differs.
+  // The only differences: a microsecond of the time within a cycle, and 1e-7 of the pose.
   EXPECT_LT((told - adjusted).norm(), 1e-5 * adjusted.norm());
 }
 
@@ -273,8 +273,8 @@ TEST(Stations, AFreeNetworkIsPlannedByItsInnerGeometry) {
   const StationPlan plan =
       must(calib::plan_stations(must(calib::knowledge_of(site)), options_for(s, 3.0, 2)));
   ASSERT_EQ(plan.stations.size(), 5U);
-  // Nobody knows where the hall is, but the beacons know each other: to a small part of the extent that
-  // stands for "unknown".
+  // The position of the hall is unknown, but the beacons are known relative to each other: to a small part of
+  // the extent that represents "unknown".
   EXPECT_LT(plan.after.mean_m, plan.before.mean_m / 20);
 }
 

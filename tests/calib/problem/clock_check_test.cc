@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Jumps put into simulated recordings; each check has its own view of them.
+// Jumps in simulated recordings, as found by each check.
 #include "calib/problem/clock_check.h"
 
 #include <algorithm>

@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-/// Two beacons 10 m apart, so many vehicles with a receiver each; sound at 340 m/s.
+/// Two beacons 10 m apart, and this number of vehicles with one receiver each; sound at 340 m/s.
 Site small_site(int vehicles = 1) {
   Site site;
   site.medium = {.model = MediumModel::kConstant, .speed_mps = 340.0};

@@ -18,7 +18,7 @@
 namespace octant::test {
 namespace {
 
-/// A site on which every kind of number is free but arrays as a whole, and so many runs.
+/// A site with this number of runs on which every kind of parameter is free, except whole arrays.
 calib::Problem rich_problem(std::size_t runs = 2) {
   Scenario s = hall_scenario();
   add_attenuation(s);
@@ -204,7 +204,7 @@ TEST(Parameters, BlocksCoverAllColumnsInTheirOrder) {
   for (const calib::ParameterBlock& block : layout.blocks) {
     EXPECT_EQ(block.first, next);
     EXPECT_GT(block.size, 0);
-    // What belongs together has one owner.
+    // Parameters that belong together have one owner.
     for (int i = 1; i < block.size; ++i) {
       const ParameterId &a = layout.parameters[static_cast<std::size_t>(block.first)].id,
                         &b = layout.parameters[static_cast<std::size_t>(block.first + i)].id;

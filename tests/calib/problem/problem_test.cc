@@ -55,8 +55,8 @@ TEST(Layout, VectorAndStateAreInverse) {
   EXPECT_EQ(layout.size(), 15 + 8 + 8 + 1 + 24 + 3 + 64);
 }
 
-/// Cost with the states settled anew, as a function of the shared parameters: what the tiles must be the
-/// derivative of.
+/// Cost as a function of the shared parameters, with the states solved again: the tiles must give its
+/// derivative.
 void expect_gradient_of_the_solved_cost(bool drive, const RobustLoss& loss) {
   Scenario s = drive ? drive_scenario(10.0) : hall_scenario();
   s.path.epochs = 12;

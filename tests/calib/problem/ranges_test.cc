@@ -39,8 +39,8 @@ void expect_true_ranges(const Scenario& scenario) {
     std::size_t arrivals = 0;
     for (const ArrivalObservation& a : at.trajectories[0].arrivals) arrivals += a.beacon == BeaconId(b);
     EXPECT_EQ(ranges.size(), arrivals);
-    // What noise leaves: nothing but roundings of some ms, and along a drive what the chord of an odometry
-    // step of 30 mm is off the way.
+    // Limits without noise: only rounding to some ms, and along a drive the deviation of the chord of an
+    // odometry step of 30 mm from its arc.
     for (const calib::RangeFrom& r : ranges)
       EXPECT_NEAR((r.p_map_m - at.state.beacon_p_map_m[b]).norm(), r.range_m, 1e-9) << b;
   }
@@ -85,7 +85,7 @@ TEST(PriorRange, IsNotNegative) {
   EXPECT_EQ(calib::prior_range_m(at.trajectories[0], a, at.state), 0.0);
 }
 
-/// A hall with bearings to its beacons; nothing noisy but these, at a tenth of a milliradian.
+/// A hall with bearings to its beacons; only these have noise, a tenth of a milliradian.
 Scenario with_bearings() {
   Scenario s = quiet(hall_scenario());
   s.bearings = Scenario::Bearings{};

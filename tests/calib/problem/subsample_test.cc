@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// The parts of thinning one by one; what a subsampled run tells of the whole: tests/calib/plan/check_test.cc.
+// Steps of the subsampling, one by one; for its effect on results see tests/calib/plan/check_test.cc.
 #include "calib/problem/subsample.h"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ RC_GTEST_PROP(EvenlyChosen, AreAsManyAsTheBudgetAndNowhereFarApart, ()) {
   RC_ASSERT(chosen.size() == groups);
   RC_ASSERT(static_cast<std::size_t>(std::count(chosen.begin(), chosen.end(), true)) ==
             std::min(groups, budget));
-  // Of n evenly spread ones any run of ceil(groups / n) holds one.
+  // Any ceil(groups / n) consecutive groups contain one of n evenly spread ones.
   const std::size_t span =
       groups == 0 ? 0 : (groups + std::min(groups, budget) - 1) / std::min(groups, budget);
   std::size_t since = 0;
@@ -39,7 +39,7 @@ TEST(EvenlyChosen, OfNoBudgetAreNone) {
   EXPECT_EQ(std::count(chosen.begin(), chosen.end(), true), 0);
 }
 
-/// Beacon 0 is heard everywhere, beacon b in every 3^b-th group.
+/// Beacon 0 is received in every group, beacon b in every 3^b-th.
 struct Heard {
   std::size_t groups, beacons;
   std::vector<bool> chosen;
@@ -178,7 +178,7 @@ TEST(ThinnedOdometry, AGapOfAnyLengthBecomesAsManySteps) {
     const double end_s = all.back().time_s;
     const std::vector<OdometryStep> few = calib::subsampled_odometry(all, {{0.0, 3.0}, {end_s - 3.0, end_s}});
     sizes.push_back(few.size());
-    // What odometry says of the whole is what its rows say, although the steps' ways are not their chords.
+    // The summed odometry equals that of its rows, although the paths of the steps are not their chords.
     const auto [place_m2, heading_rad2] = end_variance(few);
     const auto [rows_m2, rows_rad2] = end_variance(all);
     EXPECT_NEAR(heading_rad2, rows_rad2, 1e-9 * rows_rad2);

@@ -49,7 +49,7 @@ TEST(Trilaterate, FromAPlaneTakesThePlaceAbove) {
   EXPECT_NEAR(t.p_map_m.z(), 2.5, 0.05);
 }
 
-/// Nothing is left to be found: whether the ranges agree is still said (found by fuzzing).
+/// Everything is fixed, but the agreement of the ranges is still computed (found by fuzzing).
 TEST(Trilaterate, APlaceHeldAltogetherIsHeldAgainstItsRanges) {
   const Eigen::Vector3d beacon(4, -3, 2.5);
   const auto ranges = ranges_to(beacon, {5, 5, 0.5}, 20, 0.0, 0.0, 1);
@@ -90,8 +90,8 @@ TEST(Trilaterate, AStraightTrackLeavesAMirrorImage) {
   EXPECT_NEAR(image->y(), -t.p_map_m.y(), 0.05);
 }
 
-// All observations together have a place decimetres from where its ranges alone would: back on that side they
-// fit as well as at the image, and are none.
+// All observations together determine a position decimetres from that of its ranges alone. Another position
+// on the same side that explains the ranges equally well is not an image.
 TEST(Trilaterate, TheImageIsOnTheOtherSideOfALineWhereverThePlaceIs) {
   for (int k = 0; k < 24; ++k) {
     const double along_rad = 0.05 + k * M_PI / 12;

@@ -41,14 +41,14 @@ void expect_true_ranges(const Scenario& scenario) {
     const double distance_m = (T * world.truth.receivers[a.receiver.index()].position_m -
                                world.truth.beacons[a.beacon.index()].position_m)
                                   .norm();
-    // Times are whole numbers of nothing: a rounding of some milliseconds times 345 m/s.
+    // Times without a common step: rounding of some milliseconds times 345 m/s.
     EXPECT_NEAR(calib::stated_range_m(world.site, world.run, a), distance_m, 1e-9);
   }
 }
 
 TEST(StatedRange, IsTheDistanceWhereAllIsAsStated) { expect_true_ranges(as_stated()); }
 
-// The prior mean stands once, on the first kind of delay in use; held for all where none is an unknown.
+// The prior mean applies once, to the first kind of delay in use; it is fixed for all if no kind is free.
 TEST(StatedRange, TakesTheStatedDelayOnceWhoeverHasIt) {
   const DelayPer kinds[] = {{.beacon = true},
                             {.receiver = true},

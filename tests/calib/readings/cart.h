@@ -13,7 +13,7 @@ namespace octant::test {
 /// With the false statement behind it looked for, as `octant calibrate` does.
 inline calib::Solution explained_solution(const World& world) {
   const calib::Problem problem = problem_of(world);
-  // What is found may not depend on the speed of the machine.
+  // The findings must not depend on the speed of the machine.
   const calib::SolveOptions all = {.diagnosis_s = INFINITY};
   calib::Solution solution = calib::solve(problem, all);
   calib::explain(problem, problem, solution, all);
@@ -53,7 +53,7 @@ inline double jump_clock(World& world, double share, double jump_s) {
   return first_after_s;
 }
 
-/// The same along a drive. @return the first time after the jump
+/// A jump along a drive. @return the first time after the jump
 inline double jump_clock_of_drive(World& world, double share, double jump_s) {
   std::vector<Arrival>& arrivals = world.run.arrivals;
   const double at_s = arrivals[static_cast<std::size_t>(share * static_cast<double>(arrivals.size()))].time_s;

@@ -43,8 +43,8 @@ TEST(ClockJumps, AlongADriveAreToldByTheHalfWithoutThem) {
   }
 }
 
-/// By metres: all that it is measured by is bent, so it is taken back first as the ranges alone show it, and
-/// what is left of it is told then.
+/// A jump of metres distorts its own measurement. It is first corrected by the ranges alone, and the
+/// remainder is then measured.
 TEST(ClockJumps, GrossOnesAreToldInTwoSteps) {
   for (const auto& [share, half, jump_s] :
        {std::tuple{0.4, LogHalf::kLast, 2e-2}, {0.6, LogHalf::kFirst, -5e-3}}) {
@@ -57,7 +57,7 @@ TEST(ClockJumps, GrossOnesAreToldInTwoSteps) {
   }
 }
 
-/// By decimetres: the ranges alone do not show it, and what it bends shows steps beside it.
+/// A jump of decimetres: the ranges alone do not show it, and its distortion causes further steps.
 TEST(ClockJumps, StandAloneWhateverTheyBend) {
   for (const std::uint64_t seed : {3, 4, 5})
     for (const double jump_s : {2e-3, -1.5e-3})

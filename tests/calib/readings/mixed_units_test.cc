@@ -41,7 +41,7 @@ TEST(MixedUnits, TellAnyShareOfTheBeaconsApart) {
   }
 }
 
-// That has a reading of its own.
+// There is a separate hypothesis for that.
 TEST(MixedUnits, AllInOneUnitAreNotMixed) {
   World world = cart();
   for (SiteBeacon& b : world.site.beacons)

@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Each convention in which odometry may be written is read back by the reading that names it.
+// The hypothesis for each odometry convention restores the original rows.
 TEST(OtherOdometry, ReadsEachConventionBack) {
   MeasurementLog log;
   for (int i = 0; i < 5; ++i)

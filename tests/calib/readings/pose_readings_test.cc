@@ -60,7 +60,7 @@ TEST(OtherPoseFrames, MirrorEveryPoseOfEveryRun) {
   EXPECT_EQ(run.poses[1].T_map_vehicle.translation_m, Eigen::Vector3d(3, 1, 0));
 }
 
-/// A vehicle that goes straight on, ten poses a second and as many arrivals.
+/// A vehicle on a straight path, with ten poses and ten arrivals a second.
 MeasurementLog straight_on(double speed_mps) {
   MeasurementLog run;
   for (int i = 0; i < 50; ++i) {
@@ -84,7 +84,7 @@ TEST(PosesStampedLate, MatterWhereTheVehicleMovesWhileItIsMeasured) {
   EXPECT_EQ(families_of(stops), 0U);
 }
 
-// A reading as a stop begins and one as it ends: a lag would take the poses of the last second away.
+// An arrival at the start of a stop and one at its end: a lag would remove the poses of the last second.
 TEST(PosesStampedLate, MayNotBeLost) {
   const std::vector<MeasurementLog> runs = {straight_on(0.5)};
   const auto families = calib::poses_stamped_late(runs);
@@ -150,7 +150,7 @@ TEST(FrameBetween, IsTheOneThatTookThePointsThere) {
   }
 }
 
-// Of points that are off each by itself, no turn of all brings more than a part back.
+// Independent errors of points cannot be reduced much by a common rotation.
 TEST(FrameBetween, IsOfLeastSquares) {
   const std::vector<Eigen::Vector3d> from = {{0, 0, 2}, {10, 0, 2}, {10, 6, 2}, {0, 6, 3}};
   std::vector<Eigen::Vector3d> to = from;

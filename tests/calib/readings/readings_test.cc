@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// False statements of the site file and of logs, told by reading them otherwise.
+// False assumptions in site files and logs, found by hypotheses.
 #include "calib/readings/readings.h"
 #include "calib/readings/explain.h"
 
@@ -51,7 +51,7 @@ TEST(Readings, NameReceiversThatAreWiredOtherwise) {
   }
 }
 
-/// Three control points are all the datum, and of the other beacons nothing is known.
+/// Three control points are the whole datum, and the other beacons are unknown.
 World three_points(std::uint64_t seed) {
   World world = cart(40, seed);
   int points = 0;
@@ -89,7 +89,7 @@ TEST(Readings, NameAClockThatJumpedDuringADrive) {
   }
 }
 
-/// Receivers whose mirror image is none of their other wirings.
+/// Receivers whose mirror image is not one of their other wirings.
 World lopsided_cart(std::uint64_t seed) {
   World world = cart(40, seed);
   for (int i = 0; i < 4; ++i)
@@ -147,7 +147,7 @@ TEST(Readings, NameTheUnitInWhichAPlaceIsRightAndNotOneInWhichItIsDisregarded) {
   EXPECT_GT(tried, 0U);
 }
 
-// No reading explains receivers whose cables are exchanged again and again.
+// Receivers whose cables are exchanged repeatedly have no explanation.
 TEST(Explain, EarlyArrivalsBeyondChanceContradictWhateverTheirCauseIs) {
   World world = cart();
   for (Arrival& a : world.run.arrivals)
@@ -277,7 +277,7 @@ TEST(Readings, NameAMirroredPoseFrameOfStops) {
   expect_left_handed_once_mirrored(world);
 }
 
-// In a way that no other reading has: without them all fits.
+// An error without a hypothesis: without the poses everything agrees.
 TEST(Readings, NameMeasuredPosesThatFitInNoWay) {
   Scenario s = hall_scenario();
   s.path.epochs = 40;
@@ -333,7 +333,7 @@ TEST(Readings, NameMeasuredPosesOfAnotherPointOfTheVehicle) {
   }
 }
 
-// What a pair of beacon and receiver keeps is no lag, though one explains a part of it.
+// A constant error of a beacon-receiver pair is not a lag, though a lag explains a part of it.
 TEST(Readings, AccuseNoClockOfErrorsThatPairsKeep) {
   World world = measured_drive(7);
   Random random(7, 1);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What each other reading makes of a site; which of them is found: tests/calib/readings/readings_test.cc.
+// Changes of a site under each hypothesis; for the search see tests/calib/readings/readings_test.cc.
 #include "calib/readings/site_readings.h"
 
 #include <cmath>
@@ -136,7 +136,7 @@ TEST(SiteFrames, MirrorOrTurnTheReceiversAndMirrorTheMap) {
   EXPECT_EQ(maps, 1);
 }
 
-// Each at another's place is another wiring, and has its reading there.
+// Receivers at each other's positions are another wiring, which has its own hypothesis.
 TEST(SiteFrames, LeaveOutWhatMovesNoReceiverElsewhere) {
   for (const calib::Reading& reading : calib::other_site_frames(hall_scenario().site)) {  // an octagon
     EXPECT_EQ(reading.what.kind, ContradictionKind::kExchanged) << reading.what.found;

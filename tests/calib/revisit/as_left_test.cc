@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What a visit makes of an earlier deployment, against the posterior of two Gaussians.
+// A deployment after a visit, compared with the posterior of two Gaussians.
 #include "calib/revisit/as_left.h"
 
 #include <cmath>
@@ -15,7 +15,7 @@
 namespace octant::test {
 namespace {
 
-/// No change is held, so many known parameters, a visit that tells `N`.
+/// No change is accepted; this number of known parameters, and a visit with information `N`.
 calib::VisitInformation visit_of(const KnownParameters& known, double share, Random& draws) {
   const Eigen::Index n = known.size();
   Eigen::MatrixXd A(n, n);
@@ -49,7 +49,7 @@ TEST(AsLeft, IsThePosteriorOfWhatWasFree) {
     EXPECT_EQ(left.deployment.covariance.parameters[i], known.parameters[static_cast<std::size_t>(free[i])]);
     for (std::size_t j = 0; j < free.size(); ++j) {
       const auto column = static_cast<Eigen::Index>(j);
-      // Inverses of inverses of matrices with units of 1e-12 beside 0.1.
+      // Inverses of inverses of matrices with elements from 1e-12 to 0.1.
       EXPECT_NEAR(left.deployment.covariance.matrix(row, column), C(row, column),
                   1e-6 * std::sqrt(C(row, row) * C(column, column)));
     }
@@ -96,7 +96,7 @@ TEST(AsLeft, AControlPointThatWasKnockedIsNoneAnyMore) {
   const KnownParameters known = known_parameters(before);
   Random draws(9);
   calib::VisitInformation visit = visit_of(known, 1.0, draws);
-  // The visit alone tells where it is now: to 2 mm, 0.2 m along x.
+  // Only the visit determines its present position: to 2 mm, 0.2 m along x.
   const int x = known.index_of(parameters::beacon_position(3, 0));
   for (int i = x; i < x + 3; ++i) {
     visit.N.row(i).setZero();

@@ -7,7 +7,7 @@
 namespace octant::test {
 namespace {
 
-/// Receivers at 0.4 m; one beacon above them, one below, one whose height is held.
+/// Receivers at 0.4 m; one beacon above them, one below, one with a fixed height.
 Deployment three_beacons() {
   Deployment d;
   d.motion = Motion::kPlanar;

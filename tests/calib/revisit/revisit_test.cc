@@ -43,7 +43,7 @@ TEST(Revisit, AMovedBeaconIsFoundAndToldAnew) {
             16.3);  // chi-square with three degrees of freedom, one in a thousand
 }
 
-/// The vehicle's poses float: nobody else is accused, and the point is held no more.
+/// The vehicle's poses are free: no other beacon is accused, and the point is no longer fixed.
 TEST(Revisit, AKnockedControlPointIsNamedAlone) {
   const Revisit found = revisited(two_visits([](Scenario& s) { move(s, kControlPoint, {0.0, 0.08, 0.0}); }));
   ASSERT_EQ(found.comparison.changes.size(), 1U);
@@ -69,7 +69,7 @@ TEST(Revisit, ADelayIsNoMove) {
   EXPECT_NEAR(found.as_left.beacons[kFree].delay_s, visits.before.beacons[kFree].delay_s + 80e-6, 2e-5);
 }
 
-/// Three control points stayed; single steps from none accused two of them.
+/// Three control points stayed; single steps from an empty set accused two of them.
 TEST(Revisit, WhereMostBeaconsMovedControlPointsAreNotAccused) {
   std::vector<std::string> moved;
   const Revisit found = revisited(two_visits([&](Scenario& s) {
@@ -130,7 +130,7 @@ TEST(Revisit, ExchangedBeacons) {
 
 TEST(Revisit, WarmerAirIsNoChangeWhereAThermometerSaysSo) {
   const Revisit found = revisited(two_visits([](Scenario& s) { s.site.medium.temperature_degC += 8.0; }));
-  // The run's rows bring no temperature of their own here: then the speed may be any, and nobody is accused.
+  // The rows of the run have no temperature: the speed is then free, and no beacon is accused.
   EXPECT_TRUE(found.comparison.changes.empty());
   EXPECT_FALSE(found.medium.temperature_known);
   EXPECT_NEAR(found.medium.speed_change_mps, 8 * 0.59, 0.5);
@@ -169,7 +169,7 @@ TEST(Revisit, DirtIsAnAmplitudeAndNoMove) {
   EXPECT_NEAR(found.as_left.beacons[kFree].gain, 0.5, 0.02);
 }
 
-/// A beacon was replaced: three stops tell its place and its delay, as everything else is known.
+/// A beacon was replaced: three stops determine its position and delay, because everything else is known.
 TEST(Revisit, ThreeStopsSufficeForOneReplacedBeacon) {
   TwoVisits visits = two_visits([](Scenario& s) { move(s, kFree, {-0.10, 0.05, 0.02}); }, 3);
   for (Arrival& a : visits.second.arrivals)
@@ -199,7 +199,7 @@ TEST(Revisit, ABeaconWithEchoesIsNotAccused) {
 
 TEST(Revisit, ABeaconOutOfReachIsNotSilent) {
   TwoVisits visits = two_visits([](Scenario&) {});
-  // Nothing reaches farther than to a third of the hall, and the vehicle never came as near to that beacon.
+  // The range of all beacons is a third of the hall, and the vehicle was never that near to this beacon.
   const double reach_m = 6.0;
   std::vector<std::int64_t> near;
   const double speed_mps = 343.0;
@@ -304,7 +304,7 @@ TEST(Revisit, TheDifferenceOfBothDeploymentsSaysTheSame) {
               found.comparison.changes[0].sigma);
 }
 
-/// Each pair keeps an error of so many sigmas for some ten stops.
+/// Each pair has an error of this number of sigmas for about ten stops.
 void keep_errors(MeasurementLog& run, double sigma_s) {
   Random draws(31, 2);
   const double keep = std::exp(-0.1), fresh = std::sqrt(1 - keep * keep);
@@ -317,7 +317,7 @@ void keep_errors(MeasurementLog& run, double sigma_s) {
   }
 }
 
-/// What a visit is worth: by the errors that it shows where they are the larger, else by those stated.
+/// Information of a visit: by the errors that it shows if they are larger, otherwise by the given ones.
 TEST(Revisit, TheLargerErrorModelOfBothVisitsCounts) {
   TwoVisits visits = two_visits([](Scenario&) {}, 60);
   const double noise_s = visits.before.noise.tof_sigma_s;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What an earlier deployment knew, as the site and the prior of a second visit.
+// Knowledge of an earlier deployment as the site and the prior of a second visit.
 #include "calib/revisit/revisited_site.h"
 
 #include <cmath>
@@ -43,7 +43,7 @@ TEST(RevisitedSite, BeginsWhereTheDeploymentEnded) {
       EXPECT_EQ(is.attenuation->rise_time_s, was.attenuation->rise_time_s);
       EXPECT_EQ(is.attenuation->threshold_v, was.attenuation->threshold_v);
     }
-    // Offsets of the speed begin at nothing, and are known to be what they were.
+    // Offsets of the speed start at zero, with their earlier value as sigma.
     EXPECT_EQ(is.speed_offset_mps[0], 0.0);
     EXPECT_GE(site.speed_sigma_mps, std::abs(d.speed_offset_mps));
   }

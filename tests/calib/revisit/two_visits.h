@@ -32,7 +32,7 @@ inline Scenario first_scenario() {
   return s;
 }
 
-/// What the first visit left, and a second visit of 20 stops to a world that was changed between.
+/// The deployment of a first visit, and a second visit of 20 stops to a world that was changed in between.
 struct TwoVisits {
   Deployment before;
   MeasurementLog second;
@@ -47,7 +47,7 @@ TwoVisits two_visits(const std::function<void(Scenario&)>& change, int epochs = 
   TwoVisits out;
   out.before = make_deployment(problem, solution, {"2026-01-01T00:00:00Z", "", "", {}});
   out.before.digest = "first";
-  // The same receivers and air: the simulator draws both anew for each seed.
+  // Keeps receivers and air of the first visit, which the simulator otherwise draws for each seed.
   if (scenario.site.attenuation) {
     const AttenuationModel& air = *first.truth.attenuation;
     scenario.site.attenuation->amplitude_1m_v = {air.amplitude_1m_v, 0.0};

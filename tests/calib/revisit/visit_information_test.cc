@@ -11,7 +11,7 @@
 namespace octant::calib {
 namespace {
 
-constexpr double kHalfWidth = 0.25;  ///< of the passage, logarithm of the ratio of variances
+constexpr double kHalfWidth = 0.25;  ///< width of the transition, logarithm of the ratio of variances
 
 /// A covariance whose variances are `level` times the unit in the mean.
 Eigen::MatrixXd covariance_at(double level, std::uint64_t seed) {
@@ -48,7 +48,7 @@ TEST(BetweenErrorModels, WhereBothAreAboutAsLargeTheRatioMixesThem) {
   }
 }
 
-/// Ratios are of variances over white ones: metres beside seconds tip no balance.
+/// Ratios are relative to white variances, so different units (metres, seconds) do not affect the result.
 TEST(BetweenErrorModels, UnitsDoNotMatter) {
   Eigen::VectorXd unit(5);
   unit << 1e-3, 1.0, 1e-6, 30.0, 1e4;

@@ -82,7 +82,7 @@ TEST(Approach, ExchangedBeaconsAreMendedAndNamed) {
   EXPECT_THAT(a.warnings.front(), HasSubstr("B4"));
 }
 
-// One receiver, and nothing is known of any beacon nor of the vehicle: no array's bearings, no place.
+// One receiver, and neither beacons nor vehicle are known: no bearings of an array, no position.
 TEST(Approach, SaysWhyThereIsNone) {
   Scenario s = hall_scenario();
   s.site.receivers.clear();
@@ -112,7 +112,7 @@ TEST(Approach, StopsWhenItIsAskedTo) {
   EXPECT_EQ(calls, 4);
 }
 
-// Where all arrivals agree the last search has nothing to find.
+// If all arrivals agree, the last search changes no state.
 TEST(Approach, WithoutItsLastSearchItIsAsGoodWhereArrivalsAgree) {
   const World world = must(simulate(hall_scenario(), 7));
   const calib::Approach whole = approach_of(world), quick = approach_of(world, {}, false);

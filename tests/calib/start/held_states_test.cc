@@ -9,7 +9,7 @@
 namespace octant::calib {
 namespace {
 
-/// Two segments of four states along x, of which one has no place yet.
+/// Two segments of four states along x; one has no position yet.
 Trajectory path(Motion motion, bool moving) {
   Trajectory t;
   t.motion = motion;

@@ -122,7 +122,7 @@ TEST(MirrorImages, ABeaconNearTheReceiversHeightMayBeAboveOrBelow) {
   EXPECT_NEAR(found_m, 2.4, 0.02);
 }
 
-// Receivers whose heights differ by centimetres tell which side of them a beacon is, where those are known.
+// Receivers whose known heights differ by centimetres determine on which side of them a beacon is.
 TEST(MirrorImages, ReceiversAtDifferentHeightsTellAboveFromBelow) {
   constexpr std::size_t kBeacon = 1;
   Scenario s = hall_scenario();
@@ -140,7 +140,7 @@ TEST(MirrorImages, ReceiversAtDifferentHeightsTellAboveFromBelow) {
     }
 }
 
-// The same squares, spread over the arrivals of a pair or kept by it.
+// Equal squares, distributed over the arrivals of a pair or constant for it.
 TEST(MirrorImages, WhatAPairKeepsCountsForLess) {
   constexpr std::size_t kBeacon = 1;
   const World world = must(simulate(hall_scenario(), 3));
@@ -251,8 +251,8 @@ TEST(MirrorImages, BearingsThatDoNotFitAreListedAndTold) {
   EXPECT_THAT(solution.warnings, Contains(HasSubstr("beacon B2: ")));
 }
 
-/// A vehicle with measured poses stops along a bent line; at one stop it heard a beacon a hundred times from
-/// where its image is.
+/// A vehicle with measured poses stops along a curved line; at one stop it received a beacon a hundred times
+/// from the position of its image.
 struct EchoedStop {
   BeaconId beacon{1};
   std::int64_t epoch = 5;
@@ -326,7 +326,7 @@ TEST(MirrorImages, WhatIsPreferred) {
   EXPECT_EQ(prefer({100, 50}, {170, 30}, 1.0), Preference::kNeither);  // they contradict each other
 }
 
-/// A vehicle with its one receiver on the origin and measured positions: nothing hears its heading.
+/// A vehicle with its only receiver at the origin and measured positions: its heading has no effect.
 Scenario without_heading() {
   Scenario s = straight_line(false);
   s.path.kind = PathKind::kStops;
@@ -348,8 +348,8 @@ TEST(Headings, ThatNothingHearsCostNoRedundancy) {
   EXPECT_NEAR(unknown.statistics.variance_factor, 1.0, 0.25);
 }
 
-/// One receiver two decimetres off the vehicle's origin: nothing tells where about it the vehicle stands, and
-/// all beacons come out as if it were on the origin.
+/// One receiver two decimetres from the vehicle's origin: the direction of the vehicle is undetermined, and
+/// all beacons result as if the receiver were at the origin.
 TEST(Headings, AReceiverOffTheOriginWithoutHeadingsIsWhereTheVehicleStands) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     Scenario s = hall_scenario();

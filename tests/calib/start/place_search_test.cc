@@ -19,7 +19,8 @@ using calib::RangeFrom;
 constexpr double kSigmaM = 0.004, kRejectionSigmas = 4.0;
 const Eigen::Vector3d kBeacon(10.0, 0.0, 3.0);
 
-/// Ranges from places in a hall of 20 m x 12 m, at 0.3 and 0.5 m; from the first so many of them late.
+/// Ranges from positions in a hall of 20 m x 12 m, at 0.3 and 0.5 m; the given number of the first ones is
+/// late.
 std::vector<RangeFrom> ranges_of(Random& draws, int count, int late, double late_m) {
   std::vector<RangeFrom> ranges;
   for (int i = 0; i < count; ++i) {
@@ -74,7 +75,8 @@ TEST(PlaceOfLargestConsensus, KeepsWhatIsHeld) {
 }
 
 TEST(PlaceOfLargestConsensus, HasLateArrivalsRatherThanEarlyOnes) {
-  // As many fit either place; from the one the others are late, from the other early, as no echo is.
+  // Equally many agree with either position; for one the others are late, for the other early, as echoes
+  // never are.
   std::vector<RangeFrom> ranges;
   for (int i = 0; i < 60; ++i) {
     const Eigen::Vector3d p(1.0 + 0.3 * i, 4.0 + i % 7, i % 2 == 0 ? 0.3 : 0.5);

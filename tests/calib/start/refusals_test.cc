@@ -14,7 +14,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// One receiver on the origin stops among beacons that are all held.
+/// One receiver at the origin stops among beacons that are all fixed.
 World world_of(std::vector<Eigen::Vector3d> beacons_m, std::uint64_t seed, bool bearings = false) {
   Scenario s = hall_scenario();
   keep_one_receiver(s.site, {0.0, 0.0, 0.3});
@@ -32,7 +32,7 @@ World world_of(std::vector<Eigen::Vector3d> beacons_m, std::uint64_t seed, bool 
   return must(simulate(s, seed));
 }
 
-// A few epochs come out on one side by chance; what hangs on them is no calibration.
+// A few epochs are on one side by chance; a calibration must not depend on them.
 TEST(Refusals, HeldBeaconsInALineTellNoSide) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const calib::Solution solution =

@@ -69,8 +69,8 @@ TEST(CommonErrors, OdometryThatTurnsTooFarIsContradicted) {
   EXPECT_THAT(solution.contradictions[0].found, HasSubstr("% too large"));
 }
 
-// Of a drive straight on, most of the turns that odometry measured are its noise, which agrees with itself: a
-// truthful drive was Contradicted, its turns 64 % too large.
+// On a straight drive most of the measured turns are noise, which is correlated with itself: a correct drive
+// was Contradicted, with its turns 64 % too large.
 TEST(CommonErrors, NoiseOfOdometryIsNoError) {
   Scenario s = drive_scenario(60.0);
   s.path.waypoints_m = {{2.0, 6.0}, {18.0, 6.5}};
@@ -106,7 +106,7 @@ TEST(CommonErrors, OdometryOfTwoRunsHasOneError) {
   EXPECT_NEAR(both.size, 0.03, 0.012);
 }
 
-// What bends between two rows is seen by exact poses as a scale; it does no harm beside them.
+// Exact poses show the curvature between two rows as a scale error; it has no effect with them.
 TEST(CommonErrors, OdometryIsNotJudgedBesideMeasuredPoses) {
   Scenario s = drive_scenario(40.0);
   s.log_poses = true;
@@ -122,8 +122,8 @@ World posed_cart(std::uint64_t seed) {
   return must(simulate(s, seed));
 }
 
-// An instrument that was set up again, some centimetres beside where it had been: beacons were twenty of
-// their sigmas off, and the grade was Good.
+// An instrument was set up again some centimetres from its earlier position: beacons had errors of twenty of
+// their sigmas, and the grade was Good.
 TEST(CommonErrors, PosesThatShiftMidwayAreNamed) {
   for (const double size_m : {0.02, 0.05}) {
     World world = posed_cart(9);
@@ -163,7 +163,7 @@ TEST(CommonErrors, AHallThatWarmsIsNamedAndNoStatementIsBlamed) {
   }
 }
 
-// With all beacons held a drift was taken for correlated noise, and the grade was Good.
+// With all beacons fixed, a drift was modelled as correlated noise, and the grade was Good.
 TEST(CommonErrors, AClockThatDriftsAmongHeldBeaconsIsNamed) {
   World world = cart(60, 7);
   for (std::size_t b = 0; b < world.site.beacons.size(); ++b)
@@ -219,7 +219,7 @@ TEST(CommonErrors, AreSaidWithWhatToDo) {
   EXPECT_THAT(said({.kind = Kind::kSpeed, .size = 0.001}), Not(HasSubstr("degC by")));
 }
 
-// Light does not hang on the temperature.
+// The speed of light does not depend on the temperature.
 TEST(CommonErrors, RadioHasNoWeather) {
   const World world = cart(60, 7);
   const calib::Solution solution = solution_of(with_error(world, {.kind = Kind::kSpeed, .size = 0.003}));

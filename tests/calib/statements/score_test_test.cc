@@ -13,8 +13,8 @@
 namespace octant::test {
 namespace {
 
-/// A step in all times of flight from a time on, a part of each time of flight until then, and of all, which
-/// the speed of sound and the size of the map take up.
+/// Errors: a step in all times of flight from a time on; a part of each time of flight until then; and a part
+/// of all, which the speed of sound and the size of the map absorb.
 struct Errors {
   double from_s;
   bool operator()(const Trajectory& t, const ObservationRow& row, Eigen::RowVectorXd& by) const {
@@ -27,7 +27,7 @@ struct Errors {
   }
 };
 
-/// Least cost over all states and parameters once errors of these sizes are taken back.
+/// Minimal cost over all states and parameters after correction for errors of these sizes.
 double cost_without(std::vector<Trajectory> trajectories, const Adjusted& of, const Errors& errors,
                     const Eigen::Vector2d& sizes) {
   for (Trajectory& t : trajectories)
@@ -46,7 +46,7 @@ class ScoreTest : public ::testing::TestWithParam<bool> {
 };
 INSTANTIATE_TEST_SUITE_P(StopsAndDrives, ScoreTest, ::testing::Bool());
 
-// Against the parabola of the cost when everything is adjusted again with the error taken back.
+// Compared with the parabola of the cost if everything is adjusted again after the correction.
 TEST_P(ScoreTest, IsWhatAdjustingAgainGains) {
   const World world = world_of(3, 60.0);
   const calib::Solution solution = solution_of(world);
@@ -96,7 +96,7 @@ TEST_P(ScoreTest, ParametersFollowAnErrorByItsShift) {
   EXPECT_LT((moved - shift).norm(), 0.02 * shift.norm());
 }
 
-// Of a part of the log the size is the same, though the parameters have followed the error in all of it.
+// With a part of the log the size is the same, though the parameters have followed the error in all of it.
 TEST(ScoreTests, OfAPartSayTheSameSize) {
   Scenario scenario = hall_scenario();
   scenario.path.epochs = 900;
@@ -117,7 +117,7 @@ TEST(ScoreTests, OfAPartSayTheSameSize) {
   EXPECT_LT(quarter.sigmas, whole.sigmas);
 }
 
-// Of two errors together, as large as they are found.
+// Two errors together, with their estimated sizes.
 TEST_P(ScoreTest, OfSeveralIsWhatTheyGainTogether) {
   World world = world_of(4, 60.0);
   const Errors errors{world.run.arrivals[world.run.arrivals.size() / 3].time_s};
@@ -132,7 +132,7 @@ TEST_P(ScoreTest, OfSeveralIsWhatTheyGainTogether) {
   EXPECT_NEAR(0.5 * found.sigmas * found.sigmas, gain, 0.05 * gain);
 }
 
-// What chance leaves of an error that is not there.
+// Estimate of an error that is absent, by chance.
 TEST_P(ScoreTest, IsNoLargerThanChance) {
   double squares = 0.0;
   constexpr int kWorlds = 25;

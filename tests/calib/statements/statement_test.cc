@@ -15,7 +15,7 @@ namespace {
 using calib::Statement;
 using calib::What;
 
-/// A site as stated, nothing solved.
+/// A site with its assumptions, without a solution.
 struct Stated {
   calib::Problem problem;
   SharedState state;

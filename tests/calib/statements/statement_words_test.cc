@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What is said of a statement that a fit does not bear out; fits by hand, without recordings.
+// Descriptions of contradicted assumptions; fits by hand, without recordings.
 #include "calib/statements/statement_words.h"
 
 #include <cmath>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What the user stated against what the data say, and the recording against itself.
+// Tests of the user's assumptions by the data, and of the consistency of the recording.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -124,7 +124,7 @@ TEST(Statements, OneDelayForAllIsNamedWhereBeaconsDiffer) {
   EXPECT_GE(named, 5);
 }
 
-// One delay, and a control point that is off: the point is to be blamed.
+// One common delay, and a wrong control point: the point is the cause.
 TEST(Statements, OneDelayForAllIsNotBlamedForAControlPoint) {
   Scenario s = sixty_stops();
   s.true_delay_s = {1e-4, 1e-4};
@@ -236,7 +236,7 @@ void take_over(const World& later, Other&& other, World& world) {
 
 struct MovedBeacon {
   World world;
-  double after_s = 0.0;  ///< of the recording's begin
+  double after_s = 0.0;  ///< relative to the start of the recording
 };
 
 /// B4 is moved along its rays (what is found of moves begins with arrivals that are left out) after some
@@ -270,7 +270,7 @@ TEST(Agreement, ABeaconThatMovedIsNamedAndWhen) {
       const std::size_t at = c.found.find("some ");
       ASSERT_NE(at, std::string::npos) << c.found;
       ASSERT_EQ(std::sscanf(c.found.c_str() + at, "some %lf s into", &found_s), 1) << c.found;
-      // To the stops before and after it, at which the beacon was heard.
+      // Between the stops before and after it at which the beacon was received.
       EXPECT_NEAR(found_s, moved.after_s, 20.0) << by_m << " m, " << share << ": " << c.found;
     }
 }
@@ -304,7 +304,7 @@ TEST(Agreement, ABeaconThatIsLateAtHalfOfTheStopsIsWhereItsDirectArrivalsHaveIt)
   EXPECT_GE(right, 23) << "of 24";
 }
 
-/// Stops all over the hall, and as many again beside each other.
+/// Stops all over the hall, and the same number next to each other.
 World with_stops_beside_each_other(std::uint64_t seed) {
   Scenario s = hall_scenario();
   s.hearing_half_angle_rad = 3.2;
@@ -346,8 +346,7 @@ TEST(Agreement, AReceiverMostOfWhoseArrivalsAreLeftOutContradicts) {
   }
 }
 
-// What one place does to the errors there (a reflection, a camera's view) is one event, however often it is
-// recorded.
+// Common errors of one place (a reflection, a camera's view) are one event, however often it is recorded.
 TEST(Agreement, EarlyArrivalsOfOnePlaceAreNamedAndContradictNothing) {
   World world = with_stops_beside_each_other(18);
   const std::int64_t first = world.run.arrivals.front().epoch;
@@ -381,7 +380,7 @@ void expect_a_moved_stop_to_be_named(Ranging ranging) {
       moved, [&](const Arrival& a) { return a.epoch == epoch && a.time_s > times[times.size() / 2]; }, world);
   const calib::Solution solution = solution_of(world);
   EXPECT_THAT(all_in_words(solution), IsEmpty());
-  // Which one, and by how much: 50 mm, to a few sigmas of half a stop.
+  // The beacon and its shift: 50 mm, to a few sigmas of half a stop.
   const std::string before = "stops: stop " + std::to_string(epoch) + " (by ";
   const auto said = std::find_if(solution.warnings.begin(), solution.warnings.end(),
                                  [&](const std::string& w) { return w.find(before) != std::string::npos; });

@@ -11,7 +11,7 @@
 
 namespace octant::test {
 
-/// A recording of which something is gone when it is read again, within eight megabytes.
+/// A recording in which rows are missing in a later pass, within eight megabytes.
 inline void expect_a_changed_log_to_be_an_error(const World& world) {
   MemorySource source(std::vector<MeasurementLog>{world.run}, 300);
   calib::SolveOptions options;

@@ -73,7 +73,7 @@ TEST(KeptStates, MayBeginAnew) {
   EXPECT_FALSE(back.placed);
 }
 
-/// Three states that hear once each and see once each, the last bearing at the very end.
+/// Three states with one arrival and one bearing each, the last bearing at the very end.
 Trajectory marked(Random& draws) {
   Trajectory t;
   for (std::size_t k = 0; k < 3; ++k) {

@@ -11,7 +11,7 @@
 namespace octant::test {
 namespace {
 
-// What several readings say adds up; a mark that may come with placing is for one alone.
+// Results of several passes add up; a mark that depends on solving the states is for a single one.
 TEST(JoinedReadings, AddUp) {
   calib::JoinedReadings both;
   both.add(std::make_unique<OneResidual>([](double x, double& r, double& J) { r = 2 * x - 6, J = 2; }));

@@ -53,7 +53,8 @@ TEST(LinearRanges, TwoBeaconsAndBeaconsInLineTellNothing) {
     EXPECT_FALSE(place_by_linear_ranges(t, s, state, std::vector<bool>(8, true)));
 }
 
-// What a part of the log began, all of it ends: sigmas shrink with the root of the number, and stay honest.
+// The whole log completes the solution of its part: sigmas decrease with the root of the number, and remain
+// realistic.
 TEST(LongLog, IsCalibratedByWayOfAPart) {
   const World world = must(simulate(long_hall(4500), 1));
   const calib::Problem problem = problem_of(world);
@@ -86,7 +87,7 @@ TEST(LongLog, DoesNotDependOnThreads) {
   EXPECT_EQ(one.statistics.rejected, three.statistics.rejected);
 }
 
-// Where only some epochs are looked at, what concerns a beacon as a whole is still that of all.
+// If only some epochs are examined, results for a beacon as a whole are still those of all.
 TEST(LongLog, ReliabilityOfSomeEpochsIsThatOfAll) {
   const World world = must(simulate(long_hall(300), 3));
   const calib::Problem problem = problem_of(world);
@@ -114,8 +115,8 @@ TEST(LongLog, ReliabilityOfSomeEpochsIsThatOfAll) {
   }
 }
 
-// The same in space, where each moment stands alone at its measured pose; three receivers that hear one sound
-// share the error of that pose, and sigmas say so.
+// In space each time stands separately at its measured pose. Three receivers of one sound share the error of
+// that pose, and the sigmas include this.
 TEST(LongLog, OfMeasuredPosesInSpaceIsCalibratedByWayOfAPart) {
   Scenario s = drive_scenario(1500.0);
   s.site.motion = Motion::kSpatial;
@@ -151,7 +152,7 @@ TEST(LongDrive, IsCalibratedByWayOfAPart) {
   const auto dof = static_cast<double>(errors.error.size());
   EXPECT_LT(errors.nees(), chi2_quantile(1 - 1e-4, dof));
   EXPECT_GT(errors.nees(), chi2_quantile(1e-4, dof));
-  // Nothing is left to gain from there.
+  // No further decrease is possible from there.
   calib::ParameterLayout layout = calib::make_layout(problem, solution.state);
   std::vector<Trajectory> trajectories = solution.trajectories;
   Eigen::VectorXd x = layout.vector_of(solution.state);
@@ -180,7 +181,7 @@ TEST(LongDrive, DoesNotDependOnThreads) {
   EXPECT_EQ(one.reliability.redundancy_sum, three.reliability.redundancy_sum);
 }
 
-// Stretches of a long drive with margins have the redundancies that they have within it.
+// Segments of a long drive with margins have the redundancies that they have within it.
 TEST(LongDrive, ReliabilityOfSomeStretchesIsThatOfAll) {
   const World world = must(simulate(drive_scenario(260.0), 3));
   const calib::Problem problem = problem_of(world);

@@ -19,7 +19,7 @@ calib::PassSum steps(OneResidual& readings, calib::Estimate& estimate,
   return must(calib::newton_steps(readings, frame, options, monitor, std::move(first), estimate));
 }
 
-// Beside a prior: the minimum of 1/2 (2 x - 6)^2 + 1/2 ((x - 1) / 0.5)^2 is where 8 x = 16.
+// With a prior: the minimum of 1/2 (2 x - 6)^2 + 1/2 ((x - 1) / 0.5)^2 is where 8 x = 16.
 TEST(NewtonSteps, EndAtTheMinimumWithThePriors) {
   OneResidual line([](double x, double& r, double& J) { r = 2 * x - 6, J = 2; });
   calib::Estimate estimate = at(10.0, 1.0, 0.5);
@@ -32,8 +32,7 @@ TEST(NewtonSteps, EndAtTheMinimumWithThePriors) {
   EXPECT_LE(line.passes, 3);
 }
 
-// Gauss-Newton on atan leaps farther and farther away from beyond 1.39: such a step is taken back and made
-// shorter.
+// Gauss-Newton on atan diverges from beyond 1.39: such a step is undone and shortened.
 TEST(NewtonSteps, TakeBackWhatMakesThingsWorse) {
   OneResidual bent([](double x, double& r, double& J) { r = 100 * std::atan(x), J = 100 / (1 + x * x); });
   calib::Estimate estimate = at(3.0);

@@ -11,7 +11,7 @@
 
 namespace octant::test {
 
-/// Readings of one residual, whose parameter is the only one.
+/// Passes over one residual with a single parameter.
 class OneResidual : public calib::LogReadings {
  public:
   /// @param residual  sets value and derivative

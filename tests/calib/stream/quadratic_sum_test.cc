@@ -7,7 +7,7 @@
 namespace octant::test {
 namespace {
 
-/// Of three parameters: the first two see each other, and so do the last two.
+/// Three parameters: the first two are coupled, and so are the last two.
 calib::SystemParts two_parts() {
   calib::SystemParts data;
   data.add({{0, 1}, {7.0, Eigen::Vector2d(1.0, -2.0), (Eigen::Matrix2d() << 4.0, 1.0, 1.0, 3.0).finished()}});
@@ -16,7 +16,7 @@ calib::SystemParts two_parts() {
   return data;
 }
 
-// What is left of a log when its arrivals are gone: a parabola in all parameters.
+// Sum of a log without its arrivals: a parabola in all parameters.
 TEST(QuadraticSum, IsTheParabolaThroughItsPoint) {
   const Eigen::Vector3d g(1.0, -1.5, 0.25);
   const Eigen::Matrix3d H = (Eigen::Matrix3d() << 4.0, 1.0, 0.0, 1.0, 5.0, -1.0, 0.0, -1.0, 5.0).finished();

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What is read again for each step, against the same at once.
+// Compares logs read again for each step with logs in memory.
 
 #include <cmath>
 #include <map>
@@ -37,7 +37,7 @@ inline double largest_in_sigmas(const calib::Problem& problem, const calib::Solu
   return shift.cwiseAbs().maxCoeff();
 }
 
-/// How far an area reaches in a direction.
+/// Extent of an area in a direction.
 inline double reach_m(const std::vector<Eigen::Vector2d>& area_m, double direction_rad) {
   double reach = -INFINITY;
   for (const Eigen::Vector2d& p : area_m)
@@ -61,7 +61,7 @@ inline void expect_same_bearings(const calib::Solution& whole, const calib::Solu
   }
 }
 
-/// All that is said of drives, and of stops beside them, streamed or not.
+/// Compares all results for drives, and for stops together with them, streamed or not.
 inline void expect_same_drive(const Site& site, const std::vector<MeasurementLog>& runs) {
   const calib::Problem problem = must(calib::make_problem(site, runs));
   const calib::Solution whole = calib::solve(problem, {});

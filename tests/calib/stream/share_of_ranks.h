@@ -20,7 +20,7 @@ namespace octant::test {
 template <class Distance>
 void expect_ranks_to_share_and_agree(const World& world, std::size_t memory,
                                      std::initializer_list<int> counts, Distance&& distance, double within) {
-  // What is read several times, once the part is known.
+  // Data that are read several times, after the part is known.
   const auto rows_of_passes = [&](calib::SolveOptions options, calib::Solution& answer) {
     MemorySource source(std::vector<MeasurementLog>{world.run}, 300);
     std::size_t before = 0;

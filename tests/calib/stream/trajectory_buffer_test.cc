@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What is written is what is read, of all kinds of trajectories.
+// All kinds of trajectories are read back as written.
 #include "calib/stream/trajectory_buffer.h"
 
 #include <cmath>
@@ -52,7 +52,7 @@ TEST(Tape, ReadBeyondItsEndIsABugThatIsSaid) {
   EXPECT_THROW(reader.exchange(number), std::out_of_range);
 }
 
-/// Bit for bit, as a number that is none (an amplitude that was not logged) stays one.
+/// Bit for bit, because NaN (an amplitude that was not logged) must remain NaN.
 void expect_same(double a, double b) {
   EXPECT_TRUE(a == b || (std::isnan(a) && std::isnan(b))) << a << ", " << b;
 }

@@ -58,7 +58,7 @@ TEST(InOrder, ListsOfAllPartsStandOneBehindTheOtherOnEveryRank) {
   }
 }
 
-// Some ranks have no part, of the empty log all have none.
+// Some ranks have no part; for an empty log no rank has one.
 TEST(SumOverRanks, SystemsOfOtherColumnsAddUp) {
   for (const bool is_empty : {false, true}) {
     std::mutex mutex;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kParameters = 400;
 
-/// What some twenty neighbouring parameters of a long hall have seen.
+/// System of about twenty neighbouring parameters of a long hall.
 calib::SystemPart some_part(std::mt19937& random, int parameters = kParameters) {
   std::uniform_int_distribution<int> first(0, parameters - 24);
   std::bernoulli_distribution touched(0.8);
@@ -54,7 +54,7 @@ TEST(SystemParts, AddUpToTheDenseMatrix) {
     numbers += part.columns.size() * part.columns.size();
   }
   EXPECT_LT((of_parts - gradient).cwiseAbs().maxCoeff(), 1e-9);
-  // A band of 24 beside its diagonal has some 19,000 numbers; the whole has 160,000.
+  // A band of 24 next to its diagonal has about 19,000 numbers; the whole has 160,000.
   EXPECT_LT(numbers, 60000U);
   EXPECT_GT(sum.parts().size(), 4U);
 }

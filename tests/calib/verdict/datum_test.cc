@@ -131,7 +131,7 @@ struct Net {
 };
 
 TEST(FreeDatum, OfANetOfTapesIsEveryRigidMotion) {
-  // Heights are known in the plane: by the arrivals, which this net has none of.
+  // Heights are known in the plane by the arrivals, which this network does not have.
   Net net(taped(Motion::kSpatial));
   const Eigen::MatrixXd F = calib::free_datum(net.problem, net.layout, net.state, net.N);
   ASSERT_EQ(F.cols(), 6);

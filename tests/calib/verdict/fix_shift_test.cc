@@ -14,8 +14,7 @@ using calib::SolveStatus;
 using testing::Contains;
 using testing::HasSubstr;
 
-/// All beacons are control points at the height of the receivers, of which the height is known by its prior
-/// alone.
+/// All beacons are control points at the height of the receivers, which only its prior determines.
 Scenario level_hall(double height_sigma_m) {
   Scenario s = hall_scenario();
   for (SiteBeacon& b : s.site.beacons) {

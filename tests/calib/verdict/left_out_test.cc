@@ -18,7 +18,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-/// Stops without noise that hear beacons, see them as reflectors and know their poses.
+/// Stops without noise that receive beacons, observe them as reflectors and know their poses.
 Scenario stops() {
   Scenario s = without_noise(hall_scenario());
   s.path.epochs = 10;
@@ -62,7 +62,7 @@ TEST(LeftOut, ArrivalsCarryTheirReasonAndBySoMuch) {
   EXPECT_EQ(out[0].arrival, 42U);
   EXPECT_EQ(out[0].reason, Rejection::kNoPose);
   const std::size_t at[] = {3, 7, 9, 11};
-  // What is not where it was (an unusable beacon) has no residual to speak of.
+  // An unusable beacon, whose position is wrong, has no meaningful residual.
   const double late_s[] = {2e-3, -1e-3, 4e-3, 0.0};
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(out[i + 1].arrival, a[at[i]].arrival);

@@ -20,7 +20,7 @@ namespace {
 using ::testing::Contains;
 using ::testing::HasSubstr;
 
-/// A hall where two receivers hear few beacons at a stop, and one arrival in seven is an echo.
+/// A hall in which two receivers receive few beacons at a stop, and one arrival in seven is an echo.
 World quiet_corners(std::uint64_t seed, double echoes = 0.15) {
   Scenario s = hall_scenario();
   s.path.epochs = 60;
@@ -88,7 +88,7 @@ TEST(Shadows, AreNoneWhereNothingWasLate) {
   EXPECT_THAT(solution.warnings, ::testing::Not(Contains(HasSubstr("came late at all receivers"))));
 }
 
-// The octagon hears each beacon at some 120 stops: what one of them does is little.
+// The octagon receives each beacon at about 120 stops, so a single one has little effect.
 TEST(Shadows, CostLittleWhereMuchIsHeard) {
   Scenario s = hall_scenario();
   s.path.epochs = 150;
@@ -116,8 +116,8 @@ TEST(Shadows, AreToldWhereTheyWeigh) {
   EXPECT_GE(told, 2);
 }
 
-// Its verdict is judged anew by all that it stands for, without them: octant check told of sigmas that it had
-// not.
+// Its verdict is computed again for all arrivals, without the shadows: octant check once reported sigmas of
+// another calibration.
 TEST(Shadows, AreNotToldOfASubsampledLog) {
   const calib::SolveOptions options;
   int of_the_part = 0;

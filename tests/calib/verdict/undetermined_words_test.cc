@@ -67,7 +67,7 @@ TEST(UndeterminedBeacons, ForDifferentReasonsOrRemediesStandApart) {
                   "beacon A9 (its position is known to 500 mm only)"));
 }
 
-// A sigma that says nothing is a reason of its own, not a length.
+// A meaningless sigma is a separate reason, not a length.
 TEST(UndeterminedBeacons, OfWhichNothingIsKnownHaveNoLength) {
   const UndeterminedBeacon nowhere{"A6", "its position is hardly known at all", "tape it", 1e5},
       too{"A7", "its position is hardly known at all", "tape it", INFINITY};

@@ -7,7 +7,8 @@
 namespace octant::calib {
 namespace {
 
-/// Stops every metre along a hall, beacons every four on its wall; heard is what is nearer than a reach.
+/// Stops every metre along a hall, beacons every four metres on its wall; those within a given range are
+/// received.
 struct Corridor {
   std::vector<DeploymentBeacon> beacons;
   Trajectory stops;
@@ -66,7 +67,8 @@ TEST(Reach, LooksAtNoBeaconWhosePlaceIsUnknown) {
 }
 
 TEST(Reach, OfADriveThatHearsOneBeaconAtATime) {
-  // Each instant hears one of those within reach, in turn: what is not heard there is no sign of the reach.
+  // At each time one of the beacons in range is received, alternately: missing ones are no evidence of the
+  // range.
   for (const double reach_m : {16.0, 100.0}) {
     Corridor hall(60, reach_m);
     Trajectory drive;

@@ -17,7 +17,8 @@ namespace {
 
 using Key = std::pair<std::int32_t, std::int64_t>;  // vehicle, epoch
 
-/// Rows of three vehicles in turn, each with epochs of one to twenty rows; the third sleeps within an epoch.
+/// Rows of three vehicles alternately, each with epochs of one to twenty rows; the third pauses within an
+/// epoch.
 MeasurementLog interleaved(int rows, unsigned seed) {
   std::mt19937 random(seed);
   MeasurementLog log;
@@ -154,7 +155,7 @@ TEST(LogPart, IsThatOfTheWholeLog) {
   s.heldout_path.epochs = 1;
   const World world = must(simulate(s, 4));
   MeasurementLog run = world.run;
-  // Beacon 5 is heard at every fortieth epoch, beacon 6 at two.
+  // Beacon 5 is received at every fortieth epoch, beacon 6 at two.
   std::erase_if(run.arrivals, [](const Arrival& a) {
     return (a.beacon.value == 5 && a.epoch % 40 != 3) ||
            (a.beacon.value == 6 && a.epoch != 700 && a.epoch != 1201);

@@ -64,7 +64,7 @@ TEST(DrivePasses, RunsKeepTheirSpeeds) {
   expect_same_drive(site, {first, second});
 }
 
-// Half a minute in which nothing is heard, and arrivals before the first odometry row.
+// Half a minute without arrivals, and arrivals before the first odometry row.
 TEST(DrivePasses, ReachByOdometryWhatNothingPlaces) {
   World world = long_drive(5, 0.02, 540.0);
   std::erase_if(world.run.arrivals, [](const Arrival& a) { return a.time_s > 200.0 && a.time_s < 235.0; });
@@ -122,7 +122,7 @@ TEST(DrivePasses, KeepMeasuredPoses) {
   expect_same_drive(world.site, {world.run});
 }
 
-/// Of a vehicle that turns about all axes, with odometry of all six.
+/// A vehicle that rotates about all axes, with odometry of all six degrees of freedom.
 World long_flight(int seed, double duration_s, double echoes = 0.02) {
   Scenario s = drive_scenario(duration_s);
   s.site.motion = Motion::kSpatial;
@@ -138,7 +138,7 @@ TEST(DrivePasses, MayBeInSpace) {
   expect_same_drive(world.site, {world.run});
 }
 
-// What is heard at the begin of a piece was asked for before it, half a metre away.
+// Replies at the start of a piece were requested before it, half a metre away.
 TEST(DrivePasses, RangesMayBeTwoWay) {
   Scenario s = drive_scenario(500.0);
   s.site.timing.ranging = Ranging::kTwoWay;
@@ -163,7 +163,7 @@ TEST(DrivePasses, MayHaveBearings) {
 
 TEST(DrivePasses, RanksReadTheirPiecesAndAgree) {
   World world = long_drive(12, 0.02, 540.0);
-  // A stretch that only a neighbour's odometry reaches, which may be another rank's.
+  // A segment that only a neighbour's odometry reaches, which may belong to another rank.
   std::erase_if(world.run.arrivals, [](const Arrival& a) { return a.time_s > 200.0 && a.time_s < 235.0; });
   const calib::Problem problem = must(calib::make_problem(world.site, {world.run}));
   const auto in_sigmas = [&](const calib::Solution& a, const calib::Solution& b) {

@@ -45,13 +45,13 @@ TEST(DrivePart, IsThatOfTheWholeDrive) {
     s.heldout_path.duration_s = 5.0;
     s.log_poses = true;
     MeasurementLog run = must(simulate(s, 4)).run;
-    // One beacon is heard now and then.
+    // One beacon is received occasionally.
     std::erase_if(run.arrivals, [](const Arrival& a) { return a.beacon.value == 5 && a.line % 30 != 0; });
     expect_the_part_of_thin(s.site, run);
   }
 }
 
-// Without odometry as well: stretches of time are what it is of.
+// Also without odometry: segments of time.
 TEST(DrivePart, MayBeOfADriveByAMotionPrior) {
   Scenario s = drive_scenario(600.0);
   s.heldout_path.duration_s = 5.0;

@@ -19,7 +19,7 @@ namespace {
 struct Pieces {
   Eigen::Index n;
   std::vector<calib::OpenChain> pieces;
-  Eigen::MatrixXd H;  ///< of parameters and all ends
+  Eigen::MatrixXd H;  ///< information of parameters and all ends
   Eigen::VectorXd g;
   double cost = 0.0;
 
