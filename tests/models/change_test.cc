@@ -38,7 +38,7 @@ TEST(Drift, OfNoTimeIsTheDefaultAndGrowsAsTheRootOfSquares) {
   EXPECT_EQ(now.attenuation, Drift().attenuation);
   EXPECT_EQ(Drift::of_months(-5.0).delay_s, Drift().delay_s) << "time does not run backwards";
   EXPECT_EQ(Drift::of_months(std::nan("")).delay_s, Drift().delay_s);
-  // 0.1 mm a month beside 1 mm: after ten months the root of two.
+  // 0.1 mm a month in addition to 1 mm: after ten months the root of two.
   EXPECT_NEAR(Drift::of_months(10.0).beacon_m, std::sqrt(2.0) * 1e-3, 1e-15);
   EXPECT_NEAR(Drift::of_months(10.0).delay_s, std::sqrt(2.0) * 3e-6, 1e-18);
   EXPECT_NEAR(Drift::of_months(1e6).speed_mps, 3e4, 1.0);

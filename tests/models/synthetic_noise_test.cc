@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Whether a simulated world's noise has the distributions that the scenario states. Bounds are chi-square and
-// binomial quantiles at 1e-4 a side; seeds are fixed.
+// The noise of a simulated world has the distributions of the scenario. Bounds are chi-square and binomial
+// quantiles at 1e-4 on each side; seeds are fixed.
 #include <cmath>
 #include <map>
 
@@ -161,8 +161,8 @@ TEST(SyntheticNoise, EchoesAreAsManyAndAsLateAsAsked) {
   EXPECT_NEAR(late, 0.3 * 0.98 * n, 3.9 * spread);
   EXPECT_NEAR(early, 0.02 * n, 3.9 * std::sqrt(0.02 * 0.98 * n));
   EXPECT_NEAR(log_mean / log_count, 0.5, 3.9 / std::sqrt(12 * log_count));  // log-uniform
-  // 15 % of the beacons of an epoch are shadowed; those heard once do not show, those with an early arrival
-  // still do.
+  // 15 % of the beacons of an epoch are shadowed; those received once do not show this, those with an early
+  // arrival still do.
   double plural = 0;
   for (const auto& [key, latenesses] : groups) {
     int m = 0;

@@ -17,7 +17,7 @@
 namespace octant::test {
 namespace {
 
-/// Two vehicles, of which the first has two receivers, the second one.
+/// Two vehicles; the first has two receivers, the second one.
 NameTable two_robots() {
   NameTable names;
   names.beacons = {"B0", "B1"};

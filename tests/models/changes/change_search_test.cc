@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kWide = 1e3;  ///< prior of a change
 
-/// Twelve places of three coordinates and a number each, told by random observations.
+/// Twelve positions with three coordinates and a number each, determined by random observations.
 class Search : public ::testing::Test {
  protected:
   static constexpr int kOwners = 12, kSize = 4 * kOwners;
@@ -84,8 +84,8 @@ TEST_F(Search, FreeOfADirectionForgetsIt) {
   EXPECT_NEAR(a.y.squaredNorm(), b.y.squaredNorm(), 1e-6 * a.y.squaredNorm());
 }
 
-/// Of 400 visits at which nothing changed at most as many are said to have changed as kFalseAlarm does not
-/// exceed in one of a thousand.
+/// In 400 visits without a change, the number of false alarms is at most the quantile of kFalseAlarm that is
+/// exceeded once in a thousand.
 TEST_F(Search, FalseAlarmsAreAsRareAsStated) {
   int alarms = 0;
   double chi2 = 0.0;
@@ -121,7 +121,7 @@ TEST_F(Search, FindsThreeMovesAndADelayAndAccusesNobodyElse) {
   EXPECT_NEAR(nees, 3.0, 4 * std::sqrt(6.0 / 50));  // chi-square with three degrees of freedom
 }
 
-/// Information that is only rounding moves nothing by more than its prior, whatever pulls.
+/// Information that is only rounding error moves no parameter by more than its prior, for any gradient.
 TEST_F(Search, ChangesAreBoundedByTheirPriors) {
   const std::vector<ChangeHypothesis> hypotheses = {{ChangeKind::kDelay, 0, {0}, {kWide}},
                                                     {ChangeKind::kDelay, 1, {1}, {kWide}}};
@@ -134,7 +134,7 @@ TEST_F(Search, ChangesAreBoundedByTheirPriors) {
   EXPECT_EQ(search.tested[1].degrees_of_freedom, 0);
 }
 
-/// One that was taken first, for want of a better one, is given up when others explain it.
+/// A change that was accepted first, for lack of a better one, is removed when others explain it.
 TEST_F(Search, GivesUpWhatOthersExplain) {
   // A sum of two changes that a third hypothesis explains almost as well as both together.
   std::vector<ChangeHypothesis> hypotheses = {{ChangeKind::kDelay, 0, {0}, {kWide}},

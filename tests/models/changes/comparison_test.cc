@@ -92,7 +92,7 @@ TEST(Comparison, ExchangedBeaconsAreOneChange) {
               1e-9);
 }
 
-/// All control points were measured anew in another frame: no beacon moved against the others.
+/// All control points were surveyed again in another frame: no beacon moved relative to the others.
 TEST(Comparison, AMapThatMovedAsAWholeIsTheDatum) {
   Deployment now = hall();
   const Eigen::Rotation2Dd turn(0.01);
@@ -103,12 +103,12 @@ TEST(Comparison, AMapThatMovedAsAWholeIsTheDatum) {
   const Comparison found = compare(hall(), now, Drift{});
   ASSERT_EQ(found.changes.size(), 1U);
   EXPECT_EQ(found.changes[0].kind, ChangeKind::kDatum);
-  // Of the beacons' centre, (7.5, 4.5): a turn by 0.01 moves it by (-0.045, 0.075) beside.
+  // Motion of the beacons' centre, (7.5, 4.5): a turn by 0.01 moves it by (-0.045, 0.075) in addition.
   EXPECT_NEAR(found.changes[0].size, std::hypot(0.3 - 0.045, -0.1 + 0.075), 2e-3);
 }
 
-/// A second visit that tells the beacons to a millimetre, carried over by recalibration as the Kalman filter
-/// has it.
+/// A second visit that determines the beacons to a millimetre, combined by recalibration as in a Kalman
+/// filter.
 Deployment recalibrated(const Deployment& before, const Eigen::VectorXd& measured,
                         const std::vector<ParameterId>& released) {
   const KnownParameters known = known_parameters(before);
@@ -145,8 +145,8 @@ Deployment recalibrated(const Deployment& before, const Eigen::VectorXd& measure
   return now;
 }
 
-/// The errors of both hang together: taken as independent, a change that the first calibration holds back
-/// would not be seen.
+/// The errors of both are correlated: treated as independent, a change that the first calibration restrains
+/// would not be detected.
 TEST(Comparison, ARecalibrationIsHeldAgainstWhatItsVisitSaid) {
   const Deployment before = hall();
   const KnownParameters known = known_parameters(before);
@@ -162,7 +162,7 @@ TEST(Comparison, ARecalibrationIsHeldAgainstWhatItsVisitSaid) {
   EXPECT_NEAR(found.changes[0].size, 0.02, 1e-5);
   // The visit's own millimetre, what was known before, and the drift.
   EXPECT_NEAR(found.changes[0].sigma, std::sqrt(1e-6 + 4e-6 + 1e-6), 1e-5);
-  // Of nothing released, the same visit still shows it: what the prior held back is taken out again.
+  // Without released parameters the visit still shows it: the effect of the prior is removed.
   const Comparison held_back = compare(before, recalibrated(before, measured, {}), Drift{});
   ASSERT_EQ(held_back.changes.size(), 1U);
   EXPECT_NEAR(held_back.changes[0].size, 0.02, 1e-5);

@@ -12,7 +12,7 @@
 namespace octant::test {
 namespace {
 
-/// What is written is what is read; nothing else changes.
+/// Values are read back as written, and no others change.
 TEST(DeploymentNumber, IsReadAsItWasWritten) {
   Scenario s = hall_scenario();
   add_attenuation(s);

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// The innovation of a second visit against the quadratic form that it stands for.
+// Innovation of a second visit, compared with the quadratic form that it represents.
 #include "models/changes/innovation.h"
 
 #include <random>
@@ -38,7 +38,7 @@ TEST(Innovation, SquaresAreThoseOfTheDifference) {
   }
 }
 
-/// A direction of which the visit tells nothing is no degree of freedom.
+/// A direction that the visit does not determine is not a degree of freedom.
 TEST(Innovation, WhatIsNotToldDoesNotCount) {
   std::mt19937_64 random(2);
   const Eigen::MatrixXd P = random_positive(4, random);
@@ -52,7 +52,7 @@ TEST(Innovation, WhatIsNotToldDoesNotCount) {
   EXPECT_NEAR(found.y.squaredNorm(), d.head<2>().dot(covariance.ldlt().solve(d.head<2>())), 1e-8);
 }
 
-/// A deployment in which everything was surveyed, and held.
+/// A deployment in which everything was surveyed and is fixed.
 TEST(Innovation, OfNothingIsNothing) {
   const Innovation found =
       innovation_of_information(Eigen::MatrixXd(0, 0), Eigen::MatrixXd(0, 0), Eigen::VectorXd(0));

@@ -17,9 +17,9 @@ namespace {
 constexpr std::size_t kBeacons = 8;
 constexpr double kReach_m = 10.0;
 
-/// Beacons along a wall of 24 m. A vehicle drives along it, beacons fire in turn, and an arrival comes from
-/// those within reach.
-/// @param is_received  (beacon, time): whether a firing is received; obstacles and faults
+/// Beacons along a wall of 24 m. A vehicle drives along it, beacons fire one after the other, and an arrival
+/// comes from those within reach.
+/// @param is_received  (beacon, time): true if a firing is received; obstacles and faults
 std::vector<Reception> drive(double seconds, double from_m, double to_m,
                              const std::function<bool(std::size_t, double)>& is_received,
                              double reach_m = std::numeric_limits<double>::infinity()) {

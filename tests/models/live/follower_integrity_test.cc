@@ -62,7 +62,7 @@ TEST(FollowerIntegrity, WhatComesTooLateIsLeftOutAndCounted) {
   EXPECT_EQ(live.follower.counts().late, 1u);
 }
 
-/// Rows that are lost, not summed up: the innovation and the time between rows tell.
+/// Lost rows that are not included in later ones: innovation and time between rows show them.
 TEST(FollowerIntegrity, AGapInTheOdometryIsNoticed) {
   const Deployment d = with_octagon(hall());
   const Drive w = drive(d, 60, 1e-5, 1.0, 45);
@@ -167,7 +167,7 @@ TEST(FollowerIntegrity, StatedMotionStandsForOdometry) {
   expect_honest(errors);
 }
 
-/// Air of which nothing is said.
+/// Air of unknown temperature.
 TEST(FollowerIntegrity, WarmAirIsEstimatedFromTheFirstFixOn) {
   Deployment d = with_octagon(hall());
   d.medium.model = MediumModel::kLinearTemperature;

@@ -73,7 +73,7 @@ void feed(Follower& follower, const MeasurementLog& log) {
   }
 }
 
-/// What the offline tracker does with a recording when it uses the past alone.
+/// Result of the offline tracker for a recording if it uses past data only.
 TrackerOptions causal() {
   TrackerOptions options = live_tracking();
   options.smooth = false;
@@ -205,7 +205,7 @@ TEST(Follower, ARepeatedArrivalIsTakenOnce) {
   EXPECT_TRUE(twice.follower.hear(other)) << "another measurement";
 }
 
-/// A sink that feeds what it is told of would fix one pose again and again.
+/// A callback that feeds its data back would fix one pose repeatedly.
 TEST(Follower, NothingIsTakenWithinASink) {
   const Deployment d = with_octagon(hall());
   const MeasurementLog log = stops(d);

@@ -46,7 +46,8 @@ TEST(LiveSpeed, SomeHundredArrivalsTellTheSpeedOfAStream) {
   EXPECT_LT(heard, world.run.arrivals.size());
 }
 
-// What is told, and after which arrival, hangs on the stream alone, however long the estimate took meanwhile.
+// The results, and the arrivals after which they come, depend on the stream alone, however long an estimate
+// took.
 TEST(LiveSpeed, IsToldAfterAsManyArrivalsMoreAsItIsMadeOf) {
   const World world = faster_hall(5.0);
   LiveSpeed slow(world.truth), fast(world.truth);
@@ -63,7 +64,7 @@ TEST(LiveSpeed, IsToldAfterAsManyArrivalsMoreAsItIsMadeOf) {
   }
   EXPECT_EQ(at_leisure, at_once);
   ASSERT_FALSE(at_once.empty());
-  // Made of the first 400 arrivals (or twice, four times as many) as of a recording that ends there.
+  // Made of the first 400 arrivals (or two, four times that number), like a recording that ends there.
   const std::size_t made_of = at_once.front().first / 2;
   EXPECT_EQ(made_of % 400, 0u);
   MeasurementLog part = world.run;
@@ -71,8 +72,8 @@ TEST(LiveSpeed, IsToldAfterAsManyArrivalsMoreAsItIsMadeOf) {
   EXPECT_EQ(estimate_run_speed(world.truth, part).offset_mps, at_once.front().second);
 }
 
-// At thousands of arrivals a second, as many as an estimate is made of come before it can be done: whoever
-// looked at it then would wait, and the fixes with it.
+// At thousands of arrivals a second, the number of arrivals of an estimate comes before it can be computed: a
+// request for it then would block, and with it the fixes.
 TEST(LiveSpeed, OfAFastStreamAnEstimateHasSecondsAndTheNextOneRests) {
   const World world = faster_hall(5.0);
   constexpr double kRate_per_s = 1'000.0;

@@ -43,7 +43,7 @@ std::array<T, 2> equation(const Setting& s, const T* x) {
   const V3<T> move(x[12], x[13], s.motion == Motion::kPlanar ? T(0) : x[14]);
   const V3<T> turn = s.motion == Motion::kPlanar ? V3<T>(T(0), T(0), x[14]) : V3<T>(x[15], x[16], x[17]);
   const Eigen::Matrix<T, 3, 3> R = s.T.rotation.toRotationMatrix().cast<T>();
-  // At the origin of the tangent Exp(turn) o is o + turn x o to second order, and derivatives are taken
+  // At the origin of the tangent Exp(turn) o is o + turn x o to second order, and derivatives are defined
   // there.
   const auto at = [&](const V3<T>& o) -> V3<T> {
     return R * (o + turn.cross(o)) + s.T.translation_m.cast<T>() + move;
@@ -109,7 +109,7 @@ void expect_derivatives(const Setting& s) {
     EXPECT_NEAR(amplitude[i], expected[1].v[i], 1e-11 * (1 + std::abs(expected[1].v[i]))) << i;
 }
 
-/// Of the receiver's directivity, against its axis.
+/// Derivatives of the receiver's directivity, in particular by its axis.
 double gain_of(const Setting& s) {
   if (s.axis.isZero() || !s.attenuation.directional()) return 1.0;
   const Eigen::Vector3d towards = (s.beacon - s.T * s.receiver).normalized();
@@ -129,7 +129,7 @@ Setting random_setting(std::mt19937& random, Motion motion) {
   s.T_hear_send = {{0.3 * u(random), 0.3 * u(random), 0.0}, exp_rotation({0, 0, 0.2 * u(random)})};
   s.axis = Eigen::Vector3d(1 + u(random), u(random), 0.3 * u(random)).normalized();
   s.attenuation.half_power_angle_rad = 0.8 + 0.6 * u(random);
-  // Heard at any distance: the threshold is a share of the amplitude there.
+  // Received at any distance: the threshold is a share of the amplitude there.
   s.attenuation.threshold_v =
       0.4 * (1 + u(random)) * amplitude_v((s.T * s.receiver - s.beacon).norm(), s.attenuation);
   return s;
@@ -144,7 +144,7 @@ TEST(Measurement, DerivativesAgreeWithAutomaticOnes) {
       s.two_way = i % 4 < 2;
       if (i % 3 == 0) s.axis.setZero();
       if (i % 5 == 0) s.attenuation.half_power_angle_rad = 0.0;
-      // The threshold lies below what is heard there, as far off the axis as it is.
+      // The threshold is below the amplitude there, as far off the axis as it is.
       s.attenuation.threshold_v *= s.with_attenuation ? gain_of(s) : 1.0;
       SCOPED_TRACE(i);
       expect_derivatives(s);

@@ -28,7 +28,7 @@ TEST(PoseEquations, StepIsTheWeightedLeastSquaresSolution) {
     const Eigen::MatrixXd A = J.leftCols(n);
     const Eigen::VectorXd expected =
         (A.transpose() * w.asDiagonal() * A).inverse() * (A.transpose() * w.asDiagonal() * r);
-    // What holds an unobserved direction is 1e-7 of this information.
+    // Regularisation of an unobserved direction: 1e-7 of this information.
     EXPECT_LT((equations.step(10.0, has_offset).head(n) - expected).norm(), 1e-6 * expected.norm());
   }
 }

@@ -9,7 +9,7 @@
 namespace octant::test {
 namespace {
 
-/// Angles from nothing to nearly half a turn, closer where the series end.
+/// Angles from zero to nearly half a turn, denser where the series end.
 std::vector<double> angles() {
   std::vector<double> out;
   for (double a = 1e-6; a < 3.1; a *= 1.3) out.push_back(a);
@@ -17,7 +17,7 @@ std::vector<double> angles() {
   return out;
 }
 
-/// Of 1 - cos a and a - sin a without their differences: 2 sin^2(a / 2), and the whole of the sine's series.
+/// 1 - cos a and a - sin a without cancellation: 2 sin^2(a / 2), and the whole series of the sine.
 long double lag_of(long double a) {
   long double term = a * a * a / 6, sum = 0;
   for (int k = 4; k < 60; k += 2) {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What a simulated world holds, against formulas written here: measurement equation, hearing, drive, site.
+// Content of a simulated world, compared with formulas written here: measurement equation, reception, drive,
+// site.
 #include "models/simulator/synthetic.h"
 
 #include <algorithm>
@@ -371,7 +372,7 @@ TEST(Synthetic, TrueDeploymentPredictsTheArrivals) {
   EXPECT_EQ(w.truth.datum.control_points, (std::vector<std::string>{"B0", "B3", "B6"}));
   EXPECT_EQ(w.truth.beacons[3].status, BeaconStatus::kControlPoint);
   EXPECT_EQ(w.truth.beacons[4].status, BeaconStatus::kCalibrated);
-  // The prior mean stands on the beacons; receivers and site scatter about zero.
+  // The prior mean is part of the beacons' delays; receivers and site scatter about zero.
   for (const DeploymentReceiver& r : w.truth.receivers) EXPECT_LE(std::abs(r.delay_s), 5e-5);
   for (const DeploymentBeacon& b : w.truth.beacons) EXPECT_TRUE(b.delay_s >= 0 && b.delay_s <= 2e-4);
   const SharedState state = shared_state(w.truth);

@@ -9,7 +9,7 @@
 namespace octant::test {
 namespace {
 
-/// Metres beside microseconds.
+/// Elements in metres and microseconds.
 Eigen::Matrix3d mixed_units() {
   const Eigen::Matrix3d correlations{{1.0, 0.5, -0.2}, {0.5, 1.0, 0.3}, {-0.2, 0.3, 1.0}};
   const Eigen::Vector3d sigma(2.0, 3e-6, 0.05);

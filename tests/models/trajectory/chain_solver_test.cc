@@ -17,13 +17,13 @@ template <int N>
 Eigen::Matrix<double, N, N> random_normal_matrix(std::mt19937& random) {
   std::normal_distribution<double> n;
   const auto J = Eigen::Matrix<double, N + 3, N>::NullaryExpr([&] { return n(random); }).eval();
-  // Units of very different size, as metres and radians beside seconds.
+  // Units of very different size, such as metres, radians and seconds.
   const auto scale =
       Eigen::Matrix<double, N, 1>::NullaryExpr([&] { return std::pow(10.0, 3.0 * n(random)); }).eval();
   return scale.asDiagonal() * (J.transpose() * J) * scale.asDiagonal();
 }
 
-/// A factor of which reciprocals stand on the diagonal.
+/// A factor with reciprocals on its diagonal.
 template <int N>
 void expect_factor_of(const Eigen::Matrix<double, N, N>& A) {
   SmallCholesky<N> ours;
@@ -73,7 +73,7 @@ FixedChainSystem<N> random_chain(std::size_t count, std::mt19937& random) {
   return system;
 }
 
-/// The same step from the whole matrix.
+/// Reference: the step from the whole matrix.
 template <int N>
 Eigen::VectorXd by_sparse_matrix(const FixedChainSystem<N>& system, double lambda) {
   const auto count = static_cast<Eigen::Index>(system.D.size());

@@ -24,7 +24,7 @@ Pose any_pose(Motion motion, Random& draws) {
   return {5 * draws.normal3(), exp_rotation(draws.normal3())};
 }
 
-/// Two states and an arrival between them, with everything that a path may hang on.
+/// Two states and an arrival between them, with every dependence that a path may have.
 struct OneArrival {
   Trajectory t;
   SharedState state;
@@ -77,7 +77,7 @@ struct OneArrival {
     const int count = arrival_rows(t, 0, state, rows);
     return Eigen::Vector2d(rows[0].residual, count > 1 ? rows[1].residual : 0.0);
   }
-  /// Of both rows by a number of the state.
+  /// Derivative of both rows by a number of the state.
   [[nodiscard]] Eigen::Vector2d by(double& number, double step) {
     const double value = number;
     number = value + step;
@@ -124,7 +124,7 @@ RC_GTEST_PROP(ArrivalRows, BySharedNumbersAgreeWithNumericOnes, ()) {
   }
 }
 
-// At one state, at another, between them, and with all that a path may hang on.
+// At one state, at another, between them, and with every dependence that a path may have.
 RC_GTEST_PROP(ArrivalResiduals, AreThoseOfEachArrivalByItself, ()) {
   Random draws = any_draws();
   for (const Motion motion : {Motion::kPlanar, Motion::kSpatial})
@@ -270,12 +270,12 @@ RC_GTEST_PROP(MotionRows, AgreeWithNumericDerivatives, ()) {
     analytic.row(i).tail<6>() =
         rows[i].has_next ? Eigen::RowVectorXd(rows[i].by_next) : Eigen::RowVectorXd::Zero(6);
   }
-  // Residuals of up to thousands of sigmas where states are off: roundings of these by the step.
+  // Residuals of up to thousands of sigmas at wrong states: their rounding errors divided by the step.
   const double scale = std::max(1.0, motion_residuals(t).cwiseAbs().maxCoeff() * 1e-3);
   RC_ASSERT((analytic - numeric).cwiseAbs().maxCoeff() < 1e-5 * scale * (1 + analytic.cwiseAbs().maxCoeff()));
 }
 
-// White-noise acceleration: a state carried on by its velocity costs nothing, whatever the step.
+// White-noise acceleration: a state propagated by its velocity costs zero for any step.
 TEST(MotionRows, OfUniformMotionCostNothing) {
   Random draws(5);
   for (const double step_s : {0.02, 0.5, 3.0}) {
@@ -291,8 +291,8 @@ TEST(MotionRows, OfUniformMotionCostNothing) {
   }
 }
 
-// Of one acceleration over the step, of density q, the covariance of what it does to place and velocity is
-// q (dt^3/3, dt^2/2; dt^2/2, dt): halving a step twice is the same prior.
+// Noise of acceleration with density q over a step has the covariance q (dt^3/3, dt^2/2; dt^2/2, dt) for
+// position and velocity. Halving a step twice gives an equal prior.
 TEST(MotionRows, DoNotDependOnHowAStepIsCut) {
   Random draws(6);
   const auto information = [](const Trajectory& t, std::size_t states) {

@@ -13,7 +13,7 @@
 namespace octant::test {
 namespace {
 
-/// A stop among three beacons of which one has half of the others' loudness, heard without noise.
+/// A stop among three beacons, one with half the amplitude of the others, without noise.
 struct Heard {
   Deployment deployment;
   SharedState state;

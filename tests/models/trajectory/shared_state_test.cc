@@ -198,7 +198,7 @@ void expect_alike(SharedState& one, std::size_t b, SharedState& two, std::size_t
   }
 }
 
-// What was split at its move read the gain of a beacon behind the last one.
+// A beacon split at its move once read the gain of a beacon beyond the last one.
 TEST(SharedState, ACopyOfABeaconHasAllItsNumbers) {
   SharedState state = of_all_kinds();
   const std::size_t before = state.beacon_p_map_m.size();

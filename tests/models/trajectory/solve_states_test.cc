@@ -59,7 +59,7 @@ Drive long_plain_drive(std::size_t nodes) {
   return drive;
 }
 
-/// The same in space: no bearings, and turns about all axes.
+/// In space: no bearings, and rotations about all axes.
 Drive long_spatial_drive(std::size_t nodes) {
   Drive drive = long_plain_drive(nodes);
   std::mt19937 random(12);
@@ -118,7 +118,7 @@ TEST(SpatialChain, DoesNotDependOnTheNumberOfThreads) {
   }
 }
 
-/// Far from where it comes to rest steps are taken back, and the system is built again for a shorter one.
+/// Far from the solution, steps are undone, and the system is built again for a shorter one.
 TEST(SpatialChain, NoStepLeadsUphill) {
   Drive far = long_spatial_drive(60);
   Eigen::VectorXd off = Eigen::VectorXd::Zero(6);

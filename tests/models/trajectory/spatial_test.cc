@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Against differences, and against the rows of linearise.h, which know nothing of these formulas.
+// Compared with differences, and with the rows of linearise.h, which do not use these formulas.
 #include "models/trajectory/spatial.h"
 
 #include <cmath>
@@ -19,8 +19,8 @@ namespace {
 using Vector6 = SpatialArrival::Vector6;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// Two states with an arrival and an odometry row between them: a turn of a row of odometry, of none, or of
-/// anything short of half a turn.
+/// Two states with an arrival and an odometry row between them: the turn of the odometry row is arbitrary,
+/// zero, or up to almost half a turn.
 struct OneStep {
   Trajectory t;
   SharedState state;

@@ -216,8 +216,8 @@ TEST(MakeTrajectory, ArrivalsOutsideTheOdometryAreStateless) {
   EXPECT_DOUBLE_EQ(t.arrivals[2].alpha, 1.0);
 }
 
-/// Three receivers hear a sound within 0.2 ms, a fourth one 5 ms later, the first one again after 50 ms; the
-/// vehicle's pose is measured once a second.
+/// Three receivers receive a sound within 0.2 ms, a fourth one 5 ms later, the first one again after 50 ms;
+/// the vehicle's pose is measured once a second.
 MeasurementLog posed_log(double speed_mps, double turn_rate_rad_per_s = 0.0) {
   MeasurementLog log;
   log.vehicle = VehicleId(0);
@@ -236,7 +236,7 @@ MeasurementLog posed_log(double speed_mps, double turn_rate_rad_per_s = 0.0) {
   return log;
 }
 
-/// Of each arrival.
+/// Node of each arrival.
 std::vector<std::size_t> states_of(const MeasurementLog& log) {
   TrajectoryModel model;
   model.noise.tof_sigma_s = 1e-5;  // 3.4 mm
@@ -248,7 +248,7 @@ std::vector<std::size_t> states_of(const MeasurementLog& log) {
   return states;
 }
 
-// The error of a measured pose is one, however many receivers hear there.
+// A measured pose has one error, for any number of receivers.
 TEST(MakeTrajectory, AMomentAtAMeasuredPoseIsOneState) {
   EXPECT_EQ(states_of(posed_log(0.0)), (std::vector<std::size_t>{0, 0, 0, 0, 1}));
   EXPECT_EQ(states_of(posed_log(1.0)), (std::vector<std::size_t>{0, 0, 0, 1, 2}));   // 5 mm in 5 ms
@@ -281,8 +281,8 @@ TEST(InterpolatePoses, NeverBeyondTheEndsNorOverLongGaps) {
   EXPECT_TRUE(interpolate_poses(poses, 5.0, 0.1, T));
 }
 
-/// What a measured amplitude leaves of the walk: of a directional receiver a part of the noise, and more of
-/// it the weaker the pulse.
+/// Noise of the walk from a measured amplitude: for a directional receiver a part of the noise, and more of
+/// it for weaker pulses.
 TEST(Observe, AWeakPulseOfADirectionalReceiverIsKnownLessWell) {
   TrajectoryModel model;
   model.noise.tof_sigma_s = 1e-5;

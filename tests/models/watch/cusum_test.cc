@@ -27,7 +27,7 @@ TEST(Cusum, RunLengthsAreThoseOfTheTables) {
   EXPECT_NEAR(cusum_threshold(0.5, 465.0), 5.0, 0.02);
 }
 
-// The same by simulation, which knows no formula.
+// The run length by simulation, independent of the formula.
 TEST(Cusum, FalseAlarmsComeAsOftenAsStated) {
   Random draws(1);
   const double stated = 200.0, h = cusum_threshold(0.5, stated);

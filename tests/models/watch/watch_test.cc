@@ -120,8 +120,8 @@ TEST(Watch, WhatIsLetPassDoesNotAlarm) {
   EXPECT_FALSE(first_alarm(watch, rounds, 2'000));
 }
 
-// A beacon that was calibrated to be less than half as loud as the others is heard late for its distance, and
-// no stranger for it.
+// A beacon calibrated with less than half the amplitude of the others is late for its distance, which is not
+// a change.
 TEST(Watch, LoudnessThatTheCalibrationKnowsAccusesNobody) {
   Rounds rounds(4);
   for (Deployment* d : {&rounds.deployment, &rounds.truth}) {
