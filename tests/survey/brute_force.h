@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// What the maps must agree with: one arrival at a time, plain geometry, dense inverse; shares no code with
-// survey/.
+// Reference for the maps: one arrival at a time, plain geometry, dense inverse; shares no code with survey/.
 
 #include <cmath>
 #include <numbers>
@@ -75,7 +74,7 @@ inline std::vector<BruteArrival> brute_arrivals(const survey::SurveyModel& model
   return arrivals;
 }
 
-/// Of rows divided by their sigmas, or as they are.
+/// Information of rows divided by their sigmas, or unchanged.
 inline Eigen::MatrixXd information_of(const survey::SurveyModel& model,
                                       const std::vector<BruteArrival>& arrivals, bool weighted) {
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(model.unknowns.count(), model.unknowns.count());

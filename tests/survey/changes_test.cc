@@ -46,8 +46,8 @@ TEST(Changes, FindsWhatMoved) {
   EXPECT_FALSE(changes_between(before, now).same_datum);
 }
 
-/// What the visit found is not searched again in the difference of the files, where it could come out
-/// another.
+/// Changes found by the visit are not searched again in the difference of the files, which could give another
+/// result.
 TEST(Changes, OfARecalibrationAreThoseThatItsVisitFound) {
   Deployment before = full_report().plan.deployment, now = before;
   before.digest = "first";
@@ -108,7 +108,7 @@ bool is_told(const Changes& changes, ChangeKind kind, const std::string& subject
                      [&](const Change& c) { return c.kind == kind && c.subject == subject; });
 }
 
-/// A beacon that was replaced at a control point's place, by 9 mm of delay, moves nothing by half a metre.
+/// A beacon replaced at a control point's position, with a delay of 9 mm, moves no other by half a metre.
 TEST(Changes, ASmallDelayOfAControlPointExplainsNoLargeShift) {
   Deployment before = full_report().plan.deployment;
   before.timing.delay_per.beacon = true;
@@ -123,7 +123,7 @@ TEST(Changes, ASmallDelayOfAControlPointExplainsNoLargeShift) {
   EXPECT_TRUE(is_told(changes, ChangeKind::kDelay, now.beacons[0].name));
 }
 
-/// A control point that was surveyed anew at another place stands there, whatever another one's delay says.
+/// A control point that was surveyed again at another position is there, for any delay of another one.
 TEST(Changes, AControlPointStatedElsewhereIsTold) {
   Deployment before = full_report().plan.deployment;
   before.timing.delay_per.beacon = true;

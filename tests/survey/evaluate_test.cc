@@ -73,7 +73,7 @@ TEST(Evaluate, NeverBeyondTheEndsNorOverGaps) {
   EXPECT_EQ(
       evaluate({fix_at(9.99, here), fix_at(11.01, here)}, kStraight, kExact, Motion::kPlanar, {}).matched,
       0u);
-  // A rounding error beside the last sample is still that sample.
+  // A time within rounding error of the last sample is that sample.
   EXPECT_EQ(
       evaluate({fix_at(11.0 + 1e-9, here), fix_at(10.0 - 1e-9, here)}, kStraight, kExact, Motion::kPlanar, {})
           .matched,

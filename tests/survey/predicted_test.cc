@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What the maps predict against what the localizer achieves: Monte Carlo over noise and over the
-// calibration's own errors.
+// Predictions of the maps, compared with the localizer: Monte Carlo over noise and over the calibration's
+// errors.
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -130,7 +130,7 @@ void compare(Deployment truth, const Scene& scene, const std::vector<PoseAt>& pl
   }
 }
 
-/// Noise-free arrivals, with what is heard and how late it is seen by the truth.
+/// Noise-free arrivals, with reception and lateness by the truth.
 std::vector<Arrival> exact_arrivals(Deployment truth, const SurveyModel& model, const PoseAt& pose) {
   truth.noise.tof_sigma_s = 0.0;
   Random unused(1);
@@ -157,8 +157,7 @@ SystematicPart part_at(const Deployment& d, const SurveyModel& model, const Pose
   return parts[0];
 }
 
-/// A calibrated parameter: its name in the joint covariance, a small error, and where it stands in a
-/// deployment.
+/// A calibrated parameter: its name in the joint covariance, a small error, and its field in a deployment.
 struct Parameter {
   std::string name;
   double error = 0.0;

@@ -10,7 +10,7 @@ namespace octant::survey {
                                            BeaconStatus status);
 /// Three beacons on 10 x 8 m, all sections of a report filled.
 [[nodiscard]] ReportInput full_report();
-/// The same with every text that comes from people or files replaced.
+/// A report in which every text from people or files is replaced.
 [[nodiscard]] ReportInput report_full_of(const std::string& text);
 
 }  // namespace octant::survey

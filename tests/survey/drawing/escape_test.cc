@@ -13,7 +13,7 @@
 namespace octant::survey {
 namespace {
 
-/// What a browser makes of character references.
+/// Decodes character references like a browser.
 std::string unescaped(std::string text) {
   const std::pair<const char*, const char*> references[] = {
       {"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&#39;", "'"}, {"&amp;", "&"}};
@@ -68,8 +68,8 @@ TEST(EscapeScriptJson, IsTheSameJsonAndEndsNoScript) {
   }));
 }
 
-/// What CommonMark makes of backslashes before punctuation, and of references; `special`: a character that
-/// has a meaning stands there without one.
+/// Decodes backslashes before punctuation and references like CommonMark; `special`: a character with a
+/// meaning is unescaped.
 std::string markdown_read(const std::string& text, bool& special) {
   std::string out;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -95,7 +95,7 @@ TEST(EscapeMarkdown, ReadsBackAsTheTextInOneLine) {
   }));
 }
 
-/// A text often stands at the beginning of a line, where some characters mean more.
+/// A text is often at the beginning of a line, where some characters have more meanings.
 TEST(EscapeMarkdown, BeginsNoListAndNoRule) {
   for (const auto& [text, escaped] : {std::pair{"- a", "\\- a"},
                                       {"+ a", "\\+ a"},

@@ -48,8 +48,8 @@ Eigen::Matrix3d some_covariance(Random& draws) {
   return root * root.transpose() + 1e-6 * Eigen::Matrix3d::Identity();
 }
 
-/// Points are rounded to a hundred thousandth of the figure's size, some 1e-4 m here, and drawn larger: the
-/// quadratic form is off by twice that part of the smallest half axis.
+/// Points are rounded to a hundred thousandth of the figure's size, about 1e-4 m here, and drawn larger: the
+/// quadratic form deviates by twice that part of the smallest half axis.
 double form_tolerance(const Eigen::Matrix3d& C, double drawn) {
   const double least_m =
       drawn * std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(C).eigenvalues()[0]);
@@ -148,7 +148,7 @@ TEST(PlanFigure, LinesArePartedByGapsAndClosedWhereTheyAre) {
   EXPECT_EQ(wall["x"], json::parse("[0.0, 1.0, 1.0, 0.0, null, 2.0, 3.0, null]"));
   EXPECT_EQ(wall["text"], json::parse(R"(["rack &lt;1&gt;", "", "", "", "", "", "", ""])"));
   EXPECT_EQ(wall["hovertext"][5], "wall");
-  // So many names would hide the map.
+  // That number of names would hide the map.
   plan.walls.assign(41, NamedLine(plan.walls[0]));
   EXPECT_FALSE(trace_of(json::parse(plan_figure_json(plan)), "wall").contains("text"));
 }

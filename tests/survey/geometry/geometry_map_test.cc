@@ -189,15 +189,14 @@ SurveyModel random_model(Random& draw, Motion motion, Clock clock, bool array, i
   return model;
 }
 
-/// How far gains and distances are from any limit is not looked at: tables are linear over the cosine, so
-/// that a pair in some thousands may fall on the other side of the threshold. Those cells are counted, and
-/// few.
+/// The margins of gains and distances are not checked. Tables are linear over the cosine, so a pair in some
+/// thousands may be on the other side of the threshold. Those cells are counted, and few.
 struct Agreement {
   int cells = 0, fixes = 0, other_pairs = 0, noticed = 0, unnoticed = 0;
 };
 
-/// Each beacon's ranges biased in turn: by how much before a test of 0.1 % finds it with a power of 80 %
-/// (Baarda), and what that does.
+/// Ranges of one beacon after the other biased: the bias that a test of 0.1 % detects with a power of 80 %
+/// (Baarda), and its effect.
 void compare_integrity(const SurveyModel& model, const std::vector<BruteArrival>& arrivals,
                        const Eigen::MatrixXd& C, const GeometryFigures& f, std::size_t i,
                        Agreement& agreement) {
@@ -303,8 +302,8 @@ TEST(GeometryMap, AgreesWithTheBruteForceInverseInTenThousandCells) {
     const Motion motion = world % 2 == 0 ? Motion::kPlanar : Motion::kSpatial;
     const Clock clock = world / 2 % 2 == 0 ? Clock::kSynchronised : Clock::kCycleOffset;
     const SurveyModel model = random_model(draw, motion, clock, world / 4 % 2 == 1, 6 + world, 4 * world);
-    // Spread and in clusters: what can be left out for neighbours together is only looked at where they are
-    // neighbours. No list is a multiple of a vector.
+    // Spread and in clusters: common exclusions are examined only for neighbours. No list is a multiple of a
+    // vector.
     for (int list = 0; list < 5; ++list) {
       PoseList poses;
       const double x0 = draw.uniform(1, 28), y0 = draw.uniform(1, 18), heading = draw.uniform(-3, 3);
@@ -347,7 +346,7 @@ TEST(GeometryMap, LayersAddUpToTheMap) {
       int beacons = 0;
       for (const auto& row : heard) beacons += row[i];
       EXPECT_EQ(map[kBeacons][i], beacons);
-      // Near-singular cells may fall on either side: pivots are taken in another order.
+      // Near-singular cells may be on either side, because pivots are in another order.
       if (map[kSigma][i] < 10 || sigma[i] < 10)
         EXPECT_NEAR(sigma[i], map[kSigma][i], 1e-6 * map[kSigma][i]) << i;
     }

@@ -47,7 +47,7 @@ SurveyModel looking_model() {
   return must(make_survey_model(hall.site, hall.scene));
 }
 
-/// Without a pattern of the scene's own, receivers hear as their calibrated directivity has it.
+/// Without a pattern in the scene, receivers have their calibrated directivity.
 TEST(Hearing, ADirectionalArrayHearsAsCalibrated) {
   test::Hall hall = test::warehouse_hall();
   hall.site.vehicles.clear();
@@ -144,7 +144,7 @@ TEST(FloorSchedule, AHallBelowZeroOrFarAboveItIsAsHigh) {
   for (SurveyBeacon& b : on_a_hill.beacons) b.p_map_m.z() += 113.0;
   const FloorSchedule hill = must(floor_schedule(on_a_hill, hall.scene, {}));
   EXPECT_NEAR(hill.height_m, above.height_m, 1e-12);
-  // The same with the vehicle's origin at zero, as in the plane.
+  // The receivers relative to a vehicle's origin at zero, as in the plane.
   double lowest_m = 2.5;
   for (SurveyReceiver& r : on_a_hill.receivers) {
     lowest_m = std::min(lowest_m, r.p_vehicle_m.z());
@@ -170,7 +170,7 @@ TEST(FloorSchedule, FarBeaconsShareASlot) {
   EXPECT_GE(s.plan.groups.size(), s.plan.least_groups);
   EXPECT_EQ(s.plan.between(0, 1), Sharing::kConfused);
   EXPECT_EQ(s.plan.between(0, 7), Sharing::kNeverBoth);
-  // Distance alone: nothing beyond 12 m, less than the hall's length, so no wall is met.
+  // Distance only: no reception beyond 12 m, less than the hall's length, so no wall matters.
   EXPECT_NEAR(s.silent.single_echo_s, 12.0 / model.speed_mps, 1e-6);
   hall.scene.acoustics.range_m.reset();
   EXPECT_FALSE(floor_schedule(must(make_survey_model(hall.site, hall.scene)), hall.scene, {}));

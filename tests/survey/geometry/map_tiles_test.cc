@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What a tile leaves out must not matter: against every wall and every beacon, one path at a time.
+// Exclusions of a tile must have no effect: compared with every wall and every beacon, one path at a time.
 #include "survey/geometry/map_tiles.h"
 
 #include <cmath>
@@ -112,7 +112,7 @@ TEST(MapTiles, WallsThatAreLeftOutDoNotMatter) {
     }
     compare(model, some_cluster(draws, 9, draws.log_uniform(0.05, 4)), count);
   }
-  // Otherwise nothing was tried.
+  // Otherwise the test is empty.
   EXPECT_GT(count.left_out, 4 * count.kept) << "most walls are elsewhere";
   EXPECT_GT(count.kept, 1000);
   EXPECT_GT(count.skipped, 400);
@@ -158,7 +158,7 @@ TEST(MapTiles, LanesBehindTheLastPoseRepeatIt) {
     EXPECT_EQ(tile->x_m[i], n);
     EXPECT_EQ(tile->y_m[i], 2 * n);
     EXPECT_EQ(tile->z_m[i], 3 * n);
-    // The same angle as a product and as a sum of steps may differ by its last digit.
+    // One angle as a product and as a sum of steps may differ in the last digit.
     EXPECT_NEAR(std::atan2(tile->sine[i], tile->cosine[i]), 0.1 * n, 1e-15);
   }
 }

@@ -140,7 +140,7 @@ TEST(SceneCheck, RoutesStayWhereVehiclesCanBe) {
   EXPECT_TRUE(check_scene(scene));
 }
 
-/// A duct under the ceiling stops sound, and nobody.
+/// A duct under the ceiling stops sound, but not vehicles.
 TEST(SceneCheck, RoutesLeadUnderWhatDoesNotBlockVehicles) {
   Scene scene = whole_scene();
   scene.walls[0].blocks_vehicle = false;

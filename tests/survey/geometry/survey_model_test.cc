@@ -129,7 +129,7 @@ TEST(SurveyModel, BeaconsWithoutAPlaceAreLeftOutWithAWord) {
   d.beacons[0].status = BeaconStatus::kUndetermined;
   d.beacons[2].position_m.x() = std::nan("");
   EXPECT_EQ(must(make_survey_model(d, bare_scene())).beacons.size(), 5U);
-  // What the scene says of them is no mistake.
+  // The entries of the scene are valid.
   Scene scene = bare_scene();
   scene.beacons = {{"B1", Eigen::Vector3d(0, 0, -1), {}, 3}};
   EXPECT_TRUE(make_survey_model(site, scene));
@@ -216,7 +216,7 @@ TEST(SurveyModel, PatternsAreOfThoseThatLookSomewhere) {
   EXPECT_THAT(error.error().message(), HasSubstr("beacon 'B2' has a pattern and no axis"));
 }
 
-/// Receivers of which the scene says nothing hear as widely as the calibration did, each as itself.
+/// Receivers without an entry in the scene have the calibrated directivity, each its own.
 TEST(SurveyModel, ReceiversHearAsWidelyAsTheyWereHeardToHear) {
   Deployment d = small_deployment();
   d.vehicles[0].receiver_count = 4;

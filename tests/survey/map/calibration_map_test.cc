@@ -155,8 +155,8 @@ TEST(CalibrationMap, ReceiversThatAreAllShiftedShiftTheFixTheOtherWayInTheMap) {
   }
 }
 
-/// A place that is larger by a part, heard at a speed that is larger by the same: the times are the same, and
-/// the fix is farther from the origin by that part.
+/// A site enlarged by a factor, with a speed larger by the same factor: times are equal, and the fix is
+/// farther from the origin by that factor.
 TEST(CalibrationMap, ScaleAndSpeedGoTogether) {
   Random draws(5);
   Deployment d = hall();

@@ -102,7 +102,7 @@ TEST(FloorGrid, TooManyCellsAreRefusedBeforeTheyAreMade) {
   ASSERT_FALSE(grid);
   EXPECT_EQ(grid.error().line, 7);
   EXPECT_THAT(grid.error().message(), HasSubstr("makes 1e+12 cells"));
-  // What it advises does.
+  // Its advice works.
   const std::string& advice = grid.error().advice;
   EXPECT_THAT(advice, HasSubstr("a cell_m of "));
   EXPECT_TRUE(make_floor_grid(model, scene, std::stod(advice.substr(12))));

@@ -38,7 +38,7 @@ PoseList scattered_poses(Random& draws, std::size_t count) {
   return poses;
 }
 
-/// Sigma at a pose without some beacons; kNoFix where the rest tells nothing.
+/// Sigma at a pose without some beacons; kNoFix if the others do not determine it.
 double sigma_without(const SurveyModel& model, const PoseList& poses, std::size_t i, std::size_t first,
                      std::size_t second) {
   auto arrivals = test::brute_arrivals(model, poses.x_m[i], poses.y_m[i], poses.z_m[i], 0.0);
@@ -66,7 +66,7 @@ struct Account {
   std::vector<std::int32_t> one_beacon;
 };
 
-/// The same counts from sigmas one by one.
+/// Reference: counts from single sigmas.
 Loss counted(const SurveyModel& model, const PoseList& poses, std::size_t a, std::size_t b) {
   Loss loss;
   loss.first = a, loss.second = b;
@@ -86,7 +86,7 @@ Loss counted(const SurveyModel& model, const PoseList& poses, std::size_t a, std
 void expect_same(const Loss& found, const Loss& expected) {
   EXPECT_EQ(found.poses_out, expected.poses_out) << found.first << " " << found.second;
   EXPECT_EQ(found.poses_without_fix, expected.poses_without_fix) << found.first << " " << found.second;
-  // What is left of a sum from which a layer was taken has that sum's rounding, times the condition.
+  // A sum from which a layer was subtracted has the rounding error of the original, times the condition.
   EXPECT_NEAR(found.worst_sigma_m, expected.worst_sigma_m, 1e-6 * (1e-3 + expected.worst_sigma_m));
 }
 
@@ -176,8 +176,8 @@ TEST(Losses, TilesMayBeTakenByAnybody) {
   }
 }
 
-/// Most beacons are heard in some corner alone; a pair of one that is and one that is not costs what the one
-/// does.
+/// Most beacons are received in some corner only; a pair of one that is received and one that is not costs as
+/// much as the first.
 TEST(Losses, PairsCountWhereOnlyOneOfThemIsHeard) {
   Random draws(10);
   const SurveyModel model = scattered(draws, 9, 7.0);
@@ -202,7 +202,7 @@ TEST(Losses, TheCalibrationsPartCountsAgainstTheToleranceBefore) {
   Random draws(8);
   const SurveyModel model = scattered(draws, 7, 100.0);
   const PoseList poses = scattered_poses(draws, 200);
-  // With all of the tolerance used up nobody was inside, so that nobody falls out.
+  // With the tolerance used up no cell was inside, so no cell is lost.
   for (const Loss& loss : Account(model, poses, 1, kTolerance_m * kTolerance_m).losses.singles())
     EXPECT_EQ(loss.poses_out, 0U);
   const auto free = Account(model, poses, 1, 0.0).losses.singles();

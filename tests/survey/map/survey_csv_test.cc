@@ -59,7 +59,7 @@ std::size_t column_of(const Table& table, const std::string& name) {
   return static_cast<std::size_t>(at - table[0].begin());
 }
 
-/// A map's numbers as they stand in the table, to the six digits that are written.
+/// Numbers of a map as in the table, with the six digits that are written.
 void expect_values(const Table& table, const FloorMap& map, const SurveyModel& model) {
   const std::size_t column = column_of(table, map.name);
   for (std::size_t i = 0; i < map.values.size(); ++i) {

@@ -42,7 +42,7 @@ TEST(Survey, CellsAreTheFreeFloor) {
   for (const auto cell : grid.cells) EXPECT_FALSE(is_inside(scene.walls[0].points_m, grid.centre_m(cell)));
 }
 
-// The result does not depend on whether single failures are looked at, or on the threads; each is checked by
+// The result does not depend on the examination of single failures, or on the threads; each is checked by
 // surveying the geometry without the beacons.
 TEST(Survey, FailuresAgreeWithSurveysWithoutTheBeacons) {
   const Scene scene = small_scene();
@@ -201,7 +201,7 @@ TEST(Survey, TotalAndProtectionHoldTheCalibrationsPart) {
   EXPECT_LT(within, noise_alone_within) << "the calibration's part matters here";
   EXPECT_GT(within, 0u);
   EXPECT_DOUBLE_EQ(survey.covered_fraction, static_cast<double>(within) / static_cast<double>(poses.size()));
-  // A beacon's failure is held against the tolerance with the calibration's part of the whole geometry.
+  // A beacon's failure is compared with the tolerance including the calibration's part of the whole geometry.
   for (const Loss& loss : survey.failures) {
     SurveyModel less = model;
     less.beacons.erase(less.beacons.begin() + static_cast<std::ptrdiff_t>(loss.first));
@@ -231,8 +231,8 @@ TEST(Survey, OfSeveralHeadingsTheWorstCounts) {
     EXPECT_FLOAT_EQ(survey.find("sigma_m")->values[i], static_cast<float>(worst[i])) << i;
 }
 
-// What is measured at c1 and taken for c0 is wrong by d (c0 / c1 - 1); the plain least-squares fix of such
-// ranges.
+// Ranges measured at c1 and interpreted with c0 have an error of d (c0 / c1 - 1); the plain least-squares fix
+// of such ranges.
 TEST(Survey, TemperatureWhatIf) {
   Scene scene = small_scene();
   scene.walls.clear();
@@ -281,7 +281,7 @@ TEST(Survey, MirrorImagesWhereBeaconsStandInALine) {
   const MirrorImage image = mirror_image(model, {3.3, 6.1, 0, 0}, paths);
   ASSERT_TRUE(image.ambiguous);
   EXPECT_NEAR((image.p_map_m - Eigen::Vector2d(3.3, 1.9)).norm(), 0.0, 1e-6);
-  // One beacon half a metre out of the line tells (a discrepancy of 4 H h / (d + d'), many millimetres).
+  // One beacon half a metre off the line resolves it (a discrepancy of 4 H h / (d + d'), many millimetres).
   site.beacons[3].position_m[1] = 4.5;
   const auto told = must(run_survey(must(make_survey_model(site, scene)), scene, nullptr));
   EXPECT_LT(told.mirror_fraction * cells, 0.2 * cells);

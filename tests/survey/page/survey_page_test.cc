@@ -120,7 +120,7 @@ TEST(SurveyPage, ColoursAreAnchoredAtTheTolerance) {
     const auto c = colour(part);
     EXPECT_TRUE(c[0] > 1.5 * c[1] && c[0] > 1.5 * c[2]) << part;
   }
-  // What nothing is held against is never red, however far out.
+  // Values without a limit are never red, however large.
   BinnedMap plain = hdop;
   EXPECT_FALSE(plain.against_tolerance);
   plain.bins[0] = BinnedMap::Bin::kValue;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// What layouts are ranked by, against sigmas one by one and sorted lists.
+// Criteria of layouts, compared with single sigmas and sorted lists.
 #include "survey/placement/layout_score.h"
 #include "survey/geometry/make_survey_model.h"
 
@@ -63,7 +63,7 @@ double mean(const std::vector<double>& v) {
   return std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
 }
 
-/// Of a sorted list: the share's place, rounded down.
+/// Element of a sorted list at a share, rounded down.
 double quantile(std::vector<double> v, double share) {
   std::sort(v.begin(), v.end());
   return v[static_cast<std::size_t>(share * static_cast<double>(v.size() - 1))];
@@ -115,7 +115,7 @@ TEST(LayoutScore, WithoutBeaconsNothingIsCovered) {
   EXPECT_DOUBLE_EQ(f.objective_m, 4 * std::sqrt(24.0 * 14.0)) << "three ranges are missing";
 }
 
-/// What a search adds up beacon by beacon is what the whole layout gives.
+/// The sum of a search over beacons equals the value of the whole layout.
 TEST(LayoutScore, SumsOfLayersAreTheLayout) {
   Random draws(3);
   for (const PlacementGoal goal : {PlacementGoal::kWorst, PlacementGoal::kP95, PlacementGoal::kMean})
@@ -151,7 +151,8 @@ TEST(LayoutScore, TheMeanBreaksTies) {
 TEST(LayoutScore, TheSoftValueFallsWithEachBeaconEvenWhereThereIsNoFix) {
   Random draws(4);
   SurveyModel model = hall_model();
-  // The idea is vague to 20 m each way, and nothing counts with more than the floor's size: that is larger.
+  // The approximate position is uncertain by 20 m in each direction, and a value counts with at most the
+  // floor's size: that is larger.
   model.floor_m = {{0, 0}, {40, 0}, {40, 30}, {0, 30}};
   for (const PlacementGoal goal : {PlacementGoal::kWorst, PlacementGoal::kMean}) {
     LayoutScore score(model, some_poses(draws, 40), {.goal = goal});

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Searches against all layouts there are, on mounts so few that all can be tried.
+// Searches compared with all possible layouts, on few mounts.
 #include "survey/placement/placement_search.h"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 
 using test::must;
 
-/// Poles round a hall, at one height each: a layout is a choice among them, and nothing else.
+/// Poles around a hall, at one height each: a layout is only a choice among them.
 Scene poles_scene() {
   Scene scene = test::rectangle_hall().scene;
   scene.mounts.clear();
@@ -55,7 +55,7 @@ double value_of(World& world, const std::vector<MountPoint>& layout, bool soft =
   return soft ? world.score.soft_value(beacons) : LayoutScore::value(world.score.of(beacons));
 }
 
-/// The least value of all layouts of so many different poles.
+/// Lowest value of all layouts with this number of different poles.
 double least_of_all(World& world, std::size_t count) {
   const auto poles = all_poles(world);
   std::vector<int> chosen(poles.size(), 0);
@@ -99,8 +99,8 @@ TEST(PlacementSearch, FindsTheBestOfAllChoices) {
       ASSERT_EQ(layout.size(), count);
       best = std::min(best, value_of(world, layout));
     }
-    // Exchanges stop where a single one gains nothing: the best of 84 to 126 layouts is within reach, and a
-    // beacon less would cost some ten times as much.
+    // Exchanges stop when no single one improves: the best of 84 to 126 layouts is within reach, and a beacon
+    // less would cost about ten times as much.
     const double least = least_of_all(world, count);
     EXPECT_GE(best, least * (1 - 1e-9));
     EXPECT_LE(best, least * 1.02) << count;
@@ -123,7 +123,7 @@ TEST(PlacementSearch, AStartIsNeverLost) {
 
 TEST(PlacementSearch, KeptBeaconsAreThereFromTheBeginning) {
   World world;
-  // Those that stand in one corner need the others elsewhere.
+  // Beacons in one corner need the others elsewhere.
   const std::vector<SurveyBeacon> kept = {{"K0", {1, 1, 3}}, {"K1", {1.5, 1, 3}}};
   const auto greedy = greedy_layout({world.mounts, kept}, 1, world.score);
   double least = INFINITY, taken = 0.0;

@@ -23,7 +23,7 @@ using test::Hall;
 using test::must;
 
 constexpr double kAsRegularOrBetter =
-    0.85;  ///< what is asked of a plan: 15 % below a regular layout's worst error
+    0.85;  ///< requirement on a plan: 15 % below a regular layout's worst error
 
 /// The scene without the site's one beacon.
 SurveyModel model_of(const Hall& hall) { return must(make_empty_survey_model(hall.site, hall.scene)); }
@@ -134,7 +134,7 @@ TEST(Placement, EachGoalIsBestByItsOwnMeasure) {
     o.goal = goal;
     of.push_back(must(place_beacons(model, hall.scene, 5, o)).figures);
   }
-  // Searches end a little beside the best; a plan for another goal is not to be better by more than that.
+  // Searches end near the optimum; a plan for another goal must not be better by more than this.
   constexpr double kShortOfTheBest = 1.05;
   EXPECT_LE(of[0].worst_m, kShortOfTheBest * std::min(of[1].worst_m, of[2].worst_m));
   EXPECT_LE(of[1].p95_m, kShortOfTheBest * std::min(of[0].p95_m, of[2].p95_m));
@@ -145,7 +145,7 @@ TEST(Placement, EachGoalIsBestByItsOwnMeasure) {
   EXPECT_LT(of[2].mean_m, 0.99 * of[0].mean_m);
 }
 
-// What a plan is held against: evenly spaced beacons at the best of several phases, and the median of random
+// References of a plan: evenly spaced beacons at the best of several phases, and the median of random
 // layouts.
 TEST(Placement, RegularAndRandomAreWhatTheySay) {
   const Hall hall = test::rectangle_hall();

@@ -41,7 +41,7 @@ TEST(ReportGeometry, LossIsWhatRemainsWithoutTheBeacon) {
   EXPECT_DOUBLE_EQ(input.no_loss->covered_fraction, 1.0);
   for (const BeaconLoss& loss : input.losses) {
     EXPECT_GT(*loss.p95, *input.no_loss->p95) << loss.beacon;
-    // The same from a model that never had the beacon.
+    // Reference from a model that never had the beacon.
     Deployment without = square_site().plan.deployment;
     std::erase_if(without.beacons, [&](const auto& b) { return b.name == loss.beacon; });
     const SurveyModel model = *make_survey_model(without, Scene{});

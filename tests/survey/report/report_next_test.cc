@@ -16,7 +16,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// A calibration of which nothing is to be said.
+/// A calibration without findings.
 ReportInput quiet() {
   ReportInput input = full_report();
   input.changes.reset();

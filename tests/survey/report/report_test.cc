@@ -33,7 +33,7 @@ std::string page(const ReportInput& input) { return to_html(report_document(inpu
 TEST(Report, SaysThingsInTheOrderOfTheirUse) {
   std::vector<std::string> ids;
   for (const auto& section : report_document(full_report()).sections) ids.push_back(section.id);
-  // What to do and where it is first, how it was found out last.
+  // Advice and positions come first, the method last.
   EXPECT_THAT(
       ids, ::testing::ElementsAre("next", "plan", "verdict", "warnings", "changes", "beacons", "verification",
                                   "determined", "loss", "left-out", "residuals", "words", "provenance"));
@@ -148,7 +148,7 @@ TEST(Report, TextFromDataIsText) {
     for (const char* mark : {"<script", "</script", "<b>", "<img", "<!--", "-->", "<td", "<li", "<text"})
       EXPECT_EQ(count(html, mark), count(neutral, mark)) << evil << mark;
     EXPECT_THAT(html, HasSubstr(escape_xml(evil)));
-    // In embedded JSON nothing looks like markup.
+    // Embedded JSON contains no markup.
     const std::regex data("<script type='application/json'[^>]*>([^<]*)</script>");
     const auto first = std::sregex_iterator(html.begin(), html.end(), data);
     EXPECT_EQ(std::distance(first, std::sregex_iterator()), 7);
@@ -250,7 +250,7 @@ TEST(Report, NextStepsSayWhatMostArrivalsWereLeftOutFor) {
 
 TEST(Report, NumbersAreInTheTable) {
   const std::string html = page(full_report());
-  // What names the columns on a phone, once for each.
+  // Labels of the columns on a phone, each once.
   EXPECT_THAT(html, HasSubstr("#beacon-table td:nth-child(10)::before{content:'r'}"));
   // x 10, U = 2 sigma = 4 mm, delay 100 us with U 4 us, r, MDB, arrivals, rejected.
   EXPECT_THAT(html, HasSubstr("<th "

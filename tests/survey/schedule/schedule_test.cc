@@ -104,7 +104,7 @@ TEST(Schedule, QuieterHallsHaveShorterSlots) {
   }
 }
 
-/// Beacons and poses on a line, heard within 5 m.
+/// Beacons and poses on a line, with a range of 5 m.
 Audience line(const std::vector<double>& beacons_m, double length_m) {
   Audience audience;
   for (const double b : beacons_m) {
@@ -119,8 +119,8 @@ Audience line(const std::vector<double>& beacons_m, double length_m) {
 }
 
 TEST(Schedule, BeaconsOutOfEachOthersHearingShareASlot) {
-  // 4 m apart, heard within 5 m: a pose hears those up to 10 m from each other, so every third may fire
-  // together.
+  // 4 m apart, range 5 m: a pose receives beacons up to 10 m from each other, so every third may fire at the
+  // same time.
   const FiringPlan plan = share_slots(line({0, 4, 8, 12, 16, 20}, 20), {.reach_m = 5.0}, 0.1);
   EXPECT_EQ(plan.groups, (std::vector<std::vector<std::size_t>>{{0, 3}, {1, 4}, {2, 5}}));
   EXPECT_EQ(plan.least_groups, 3U);
@@ -139,7 +139,7 @@ TEST(Schedule, WallsCountOnlyWhenTrusted) {
 }
 
 TEST(Schedule, TimesThatAreApartCountOnlyWhenAsked) {
-  // A room at 0 to 2 m: one beacon at its end, one 30 m further on; both are heard, 80 ms apart.
+  // A room at 0 to 2 m: one beacon at its end, one 30 m further on; both are received, 80 ms apart.
   Audience audience = line({0, 32}, 2);
   std::fill(audience.heard[1].begin(), audience.heard[1].end(), 1);
   EXPECT_EQ(share_slots(audience, {.reach_m = 40.0}, 0.1).between(0, 1), Sharing::kConfused);
@@ -165,7 +165,7 @@ TEST(Schedule, GroupsAreSoundAndNeverFewerThanAClique) {
             ASSERT_FALSE(audience.heard[a][i] && audience.heard[b][i]);
       }
     EXPECT_EQ(seen, std::vector<int>(places.size(), 1));
-    // Intervals on a line: their graph is perfect, and as many groups as the largest clique do.
+    // Intervals on a line: their graph is perfect, so the size of the largest clique is the number of groups.
     EXPECT_GE(plan.groups.size(), plan.least_groups);
     std::size_t most = 0;
     for (std::size_t i = 0; i < audience.heard[0].size(); ++i) {

@@ -45,8 +45,8 @@ std::size_t alarms(const SiteTrend& trend) {
   return count;
 }
 
-// All charts together alarm as rarely as stated: 150 sites of 20 visits are 30 alarms at most, by a hundred
-// visits each.
+// All charts together have the given rate of alarms: 150 sites of 20 visits have 30 alarms at most, at one in
+// a hundred visits each.
 TEST(SiteTrend, FalseAlarmsOfAllChartsTogetherAreAsRareAsStated) {
   Random draws(1);
   std::size_t count = 0;
@@ -96,7 +96,7 @@ TEST(SiteTrend, TheDriftThatComesFirstSetsTheDate) {
             trend.quantities[*trend.due].forecast->earliest_s);
 }
 
-// Six millimetres with a sigma of one are no alarm, and were taken for a drift of that beacon.
+// Six millimetres with a sigma of one are no alarm, and once counted as a drift of that beacon.
 TEST(SiteTrend, ABeaconThatMovedDriftsInNoCoordinate) {
   Random draws(6);
   auto records = years(draws, 1);

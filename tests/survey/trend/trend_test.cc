@@ -86,8 +86,8 @@ TEST(ControlChart, AnAlarmThatComesLateLosesNothing) {
   EXPECT_NEAR(c.points[11].foretold.value(), 3.0, 1e-12);
 }
 
-// A drift trips the sums as a step does; it must not be cut into steps, or nothing would be left to forecast
-// from.
+// A drift triggers the sums like a step. It must not be divided into steps, because no data would remain for
+// a forecast.
 TEST(ControlChart, ADriftIsToldFromSteps) {
   const double h = cusum_threshold(0.5, 5000.0);
   int drifts = 0, steps = 0;
