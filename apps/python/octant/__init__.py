@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Octant developers
 # SPDX-License-Identifier: Apache-2.0
-"""Octant calibrates time-of-flight beacon positioning and tells a vehicle where it is.
+"""Octant calibrates time-of-flight beacon positioning and locates vehicles.
 
     import octant
     calibration = octant.calibrate("site.yaml", "run")
@@ -11,7 +11,7 @@
     print(fixes["x_m"], fixes["y_m"])
 
 SI units, radians; map with z up, vehicle with x forward, y left. Arrays are NumPy's; those of a run and of a deployment are
-views, without a copy. All failures are `octant.Error` or a class of it that stands for an exit code of the command line.
+views, without a copy. All failures are `octant.Error` or one of its subclasses, one for each exit code of the command line.
 """
 
 import contextlib as _contextlib
@@ -40,13 +40,13 @@ _read_from = _weakref.WeakKeyDictionary()  # a Deployment's path, where it was r
 
 
 def _own_name(thing):
-    """What the caller calls an object: the path it was read from, else what it is."""
+    """Name of an object for messages: the path from which it was read, otherwise its type."""
     path = _read_from.get(thing, "") if isinstance(thing, Deployment) else thing.path
     return path or f"({type(thing).__name__})"
 
 
 def _renamed(value, names):
-    """The same with other names in all its texts."""
+    """Replaces names in all texts of a JSON value."""
     if isinstance(value, str):
         for written, own in names.items():
             value = value.replace(written, own)
@@ -60,9 +60,9 @@ def _renamed(value, names):
 
 @_contextlib.contextmanager
 def _paths(*things):
-    """(Paths of what may be given as paths or as objects, rename(result)).
+    """Yields (*paths, rename) for arguments that may be paths or objects.
 
-    Objects are written for as long as it takes; results and exceptions name them as the caller does.
+    Objects are written to temporary files; rename() restores the caller's names in results and exceptions.
     """
     with _tempfile.TemporaryDirectory(prefix="octant-") as folder:
         names = {}
@@ -94,14 +94,14 @@ def _listed(runs):
 
 
 def read_deployment(path):
-    """A Deployment of its file."""
+    """Reads a Deployment from its file."""
     deployment = _octant.read_deployment(_os.fspath(path))
     _read_from[deployment] = _os.fspath(path)
     return deployment
 
 
 def read_run(folder, names, truth=False):
-    """A run folder as a Run; `names`: the Site or Deployment whose beacons it heard. `truth`: the reference too."""
+    """Reads a run folder as a Run. `names`: the Site or Deployment with its beacons. `truth`: also reads the reference."""
     return _octant.read_run(_os.fspath(folder), names, truth)
 
 
@@ -115,14 +115,14 @@ def _given_runs(runs):
 
 
 def check(site, runs, strict=False, threads=0):
-    """Check recordings: data quality, and which parameters they can determine. A dict as of `octant check --json`."""
+    """Checks recordings: data quality, and which parameters they can determine. A dict as from `octant check --json`."""
     return _octant.check(_given(site, Site), _given_runs(runs), strict, threads)
 
 
 class Calibration(_NamedTuple):
     """Result of calibrate(): `deployment, result = calibration`, or by attributes.
 
-    result: a dict as of `octant calibrate --json`.
+    result: a dict as from `octant calibrate --json`.
     """
 
     deployment: Deployment
@@ -150,27 +150,27 @@ def _value(entry):
 
 
 def calibrate(site, runs, strict=False, accept=False, threads=0):
-    """The Calibration of a site by its recordings, given as paths or objects.
+    """Calibrates a site from its recordings, given as paths or objects.
 
-    Raises Undetermined if the data cannot determine what is asked for, and Contradicted if they contradict the site
+    Raises Undetermined if the data do not determine the site, and Contradicted if they contradict the site file
     (unless `accept`).
     """
     return Calibration(*_octant.calibrate(_given(site, Site), _given_runs(runs), strict, accept, threads))
 
 
 def verify(deployment, runs, method="auto", threads=0):
-    """Fixes of recordings with a reference against it: a dict as of `octant verify --json`."""
+    """Compares fixes of recordings with their reference: a dict as from `octant verify --json`."""
     with _paths(deployment, _listed(runs)) as (path, folders, rename):
         return rename(_octant.verify(path, folders, method, threads))
 
 
 def survey(site_or_deployment, scene="", bins=0, failures=2, threads=0):
-    """What a geometry is worth: a dict as of `octant survey --json`. `bins`: the maps too, that many along the longer side."""
+    """Predicts the accuracy of a geometry: a dict as from `octant survey --json`. `bins`: adds maps, with bins along the longer side."""
     with _paths(site_or_deployment) as (path, rename):
         return rename(_octant.survey(path, _os.fspath(scene), bins, failures, threads))
 
 
 def monitor(deployment, runs, threads=0):
-    """Whether the calibration still holds: a dict as of `octant monitor --json`; `action`: somebody has to do something."""
+    """Checks that a calibration is still valid: a dict as from `octant monitor --json`; `action`: an action is required."""
     with _paths(deployment, _listed(runs)) as (path, folders, rename):
         return rename(_octant.monitor(path, folders, threads))

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Octant developers
 # SPDX-License-Identifier: Apache-2.0
-"""What Octant raises: one class for each exit code of the command line."""
+"""Exceptions of Octant: one class for each exit code of the command line."""
 
 
 class Error(Exception):
-    """Something went wrong. `exit` is the command line's exit code, `result` the object that `--json` would print."""
+    """Base of all failures. `exit` is the command line's exit code, `result` the object that `--json` would print."""
 
     exit = 1
 
@@ -40,13 +40,13 @@ class NotConverged(Error):
 
 
 class Undetermined(Error):
-    """The data cannot determine what is asked for; `advice` names the measurement that would settle it (5)."""
+    """The data do not determine the result; `advice` names the measurement that would determine it (5)."""
 
     exit = 5
 
 
 class Contradicted(Error):
-    """The data contradict what the site file states, or a gate failed (6)."""
+    """The data contradict the site file, or a gate failed (6)."""
 
     exit = 6
 
