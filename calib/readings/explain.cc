@@ -95,7 +95,7 @@ std::optional<Contradiction> stops_without_place(const Solution& solution) {
                        "more than a quarter of the stops that receive four or more beacons to agree with no "
                        "place of the vehicle",
                        0.0,
-                       "look at how the recording changes from the first of these stops on, and calibrate "
+                       "check what changes in the recording from the first of these stops on, and calibrate "
                        "with the part before it"};
 }
 
@@ -110,15 +110,14 @@ std::optional<Contradiction> many_early(const Problem& problem, const Solution& 
   if (static_cast<double>(n.outliers()) < kMuchLeftOut * rows ||
       static_cast<double>(early) < kMuchEarly * rows)
     return {};
-  return Contradiction{
-      ContradictionKind::kLog,
-      "as a whole",
-      "heard along straight paths",
-      fmt::format("{} of {} arrivals not to fit, {} of them early, as no echo can be", n.outliers(), n.all(),
-                  early),
-      0.0,
-      "look at the places of control points and receivers, at which is wired as which, and at labels, units "
-      "and frames; then calibrate again"};
+  return Contradiction{ContradictionKind::kLog,
+                       "as a whole",
+                       "heard along straight paths",
+                       fmt::format("{} of {} arrivals not to fit, {} of them early, as no echo can be",
+                                   n.outliers(), n.all(), early),
+                       0.0,
+                       "check the positions of control points and receivers, their wiring, and labels, units "
+                       "and frames; then calibrate again"};
 }
 
 /// Reports noise far above that of the site file that no hypothesis explains. Users misjudge their noise by a

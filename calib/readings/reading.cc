@@ -18,7 +18,7 @@ ReadingFamily of_other_clock(ContradictionKind kind, const std::string& subject,
     return {
         {kind, subject, "times by the clock of the arrivals",
          fmt::format("that {} {:.3g} s {}", are_stamped, std::abs(lag_s), lag_s > 0 ? "late" : "early"), 0.0,
-         fmt::format("look at how the two clocks are synchronised, or {} {:.3g} s {} each time of {}",
+         fmt::format("check how the two clocks are synchronised, or {} {:.3g} s {} each time of {}",
                      lag_s > 0 ? "subtract" : "add", std::abs(lag_s), lag_s > 0 ? "from" : "to", file)},
         {},
         [=](std::size_t, MeasurementLog& run) { take_back(lag_s, run); },

@@ -367,7 +367,7 @@ class Search {
     join_odometry_to_wiring(reported);
     // Hypotheses that the ranges do not distinguish are alternatives.
     for (std::size_t i = 1; i < reported.size(); ++i) {
-      reported[i].found += "; this or what stands before it is so, not both";
+      reported[i].found += "; either this or the preceding one is true, not both";
       reported[i].remedy = "or else " + reported[i].remedy;
     }
     return reported;

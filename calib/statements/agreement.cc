@@ -194,9 +194,9 @@ class Checker {
                      length(best->by_m.norm()), best->by_m.x(), best->by_m.y(), best->by_m.z(),
                      best->time_s - first_s),
          best->sigmas,
-         fmt::format("fasten beacon {}; then calibrate with what was recorded before or after it moved, not "
-                     "with both",
-                     name)});
+         fmt::format(
+             "fasten beacon {}; then calibrate with the recordings before or after its move, not with both",
+             name)});
     return true;
   }
 
@@ -213,15 +213,14 @@ class Checker {
            fmt::format("early at {} of {} arrivals, as no echo can be", c.of(Rejection::kEarly), c.placed),
            (static_cast<double>(places.early) - expected) / std::sqrt(expected),
            fmt::format(
-               "look whether beacon {} stood still, whether another sends under its name, and at its channel",
+               "check that beacon {} did not move, that no other beacon sends with its name, and its channel",
                name)});
       return;
     }
-    out_.warnings.push_back(
-        fmt::format("beacon {}: {} of {} arrivals do not fit where the others have it ({} late, {} early), "
-                    "far more than of other beacons; look for "
-                    "what stands in its way or reflects it",
-                    name, c.outliers(), c.placed, c.of(Rejection::kLate), c.of(Rejection::kEarly)));
+    out_.warnings.push_back(fmt::format(
+        "beacon {}: {} of {} arrivals do not fit the position that the others determine ({} late, {} early), "
+        "far more than for other beacons; look for obstacles and reflectors near it",
+        name, c.outliers(), c.placed, c.of(Rejection::kLate), c.of(Rejection::kEarly)));
   }
 
   void bearings_left_out(std::size_t b) {
@@ -230,8 +229,8 @@ class Checker {
     out_.contradictions.push_back({ContradictionKind::kBeacon, name, "in the directions that were measured",
                                    fmt::format("{} of {} bearings elsewhere", c.bearings_out, c.bearings),
                                    0.0,
-                                   fmt::format("look whether {} stands at the mirror image of its place, and "
-                                               "whether the bearings' signs and names are right",
+                                   fmt::format("check that {} is not at the mirror image of its position, "
+                                               "and check the signs and names of the bearings",
                                                name)});
   }
 
@@ -250,11 +249,11 @@ class Checker {
       out_.contradictions.push_back(
           {ContradictionKind::kReceiver, name, "at its place on the vehicle",
            fmt::format(
-               "{} of {} of its arrivals to fit neither that place nor one near it ({} late, {} early)",
+               "{} of {} of its arrivals to fit neither that position nor one near it ({} late, {} early)",
                c.outliers(), c.placed, c.of(Rejection::kLate), c.of(Rejection::kEarly)),
            0.0,
            fmt::format(
-               "measure the place of receiver {} on the vehicle again, and look at its cable and channel",
+               "measure the position of receiver {} on the vehicle again, and check its cable and channel",
                problem_.site.receivers[r].name)});
     }
   }
@@ -283,13 +282,12 @@ class Checker {
       named.push_back(fmt::format("{} (by {})", moved[i].second, length(moved[i].first.by_m)));
     if (moved.size() == 1) named[0] += fmt::format(", at {:.6g} s", moved[0].first.time_s);
     const bool several = moved.size() > 1;
-    out_.warnings.push_back(
-        fmt::format("the vehicle moved during {} of {} stops: stop{} {}{} (epoch{} of the recording); what "
-                    "does not fit of "
-                    "{} is left out; better leave {} out as a whole, or record {} again",
-                    moved.size(), all, several ? "s" : "", fmt::join(named, ", "),
-                    moved.size() > named.size() ? " and more" : "", several ? "s" : "",
-                    several ? "them" : "it", several ? "them" : "it", several ? "them" : "it"));
+    out_.warnings.push_back(fmt::format(
+        "the vehicle moved during {} of {} stops: stop{} {}{} (epoch{} of the recording); arrivals of {} "
+        "that do not fit are left out; better leave {} out as a whole, or record {} again",
+        moved.size(), all, several ? "s" : "", fmt::join(named, ", "),
+        moved.size() > named.size() ? " and more" : "", several ? "s" : "", several ? "them" : "it",
+        several ? "them" : "it", several ? "them" : "it"));
   }
 
   const Problem& problem_;

@@ -28,8 +28,8 @@ Contradiction of_shift(const CommonError& e, const MeasurementLog& run) {
           "poses in one frame throughout",
           fmt::format("that from {:.6g} s on they are shifted by {}", e.time_s, in_metres(shift_m)),
           e.sigmas,
-          fmt::format("look whether the instrument was set up again then; shift the later poses by {}, or "
-                      "leave them out",
+          fmt::format("check if the instrument was set up again at that time; shift the later poses by {}, "
+                      "or leave them out",
                       in_metres(back_m))};
 }
 
@@ -40,7 +40,7 @@ Contradiction of_lag(const CommonError& e, const std::string& file) {
           "times by the clock of the arrivals",
           fmt::format("that they are stamped {:.3g} s {}", std::abs(e.size), late ? "late" : "early"),
           e.sigmas,
-          fmt::format("look at how the two clocks are synchronised, or {} {:.3g} s {} each time of {}",
+          fmt::format("check how the two clocks are synchronised, or {} {:.3g} s {} each time of {}",
                       late ? "subtract" : "add", std::abs(e.size), late ? "from" : "to", file)};
 }
 
@@ -53,11 +53,11 @@ Contradiction of_odometry(const CommonError& e, const std::string& file) {
   return {
       ContradictionKind::kLog,
       file,
-      "metres and radians as the vehicle went them",
+      "true metres and radians of the motion",
       fmt::format("that {} {:.2g} % too {}", turns ? "its turns are" : "its way is", 100 * std::abs(e.size),
                   turns ? (much ? "large" : "small") : (much ? "long" : "short")),
       e.sigmas,
-      fmt::format("look at {}, or multiply {} by {:.4g}",
+      fmt::format("check {}, or multiply {} by {:.4g}",
                   turns ? "the distance between the wheels, or the gyroscope" : "the diameter of the wheels",
                   turns ? "dheading_rad" : "dx_m and dy_m", 1.0 / (1.0 + e.size))};
 }
@@ -100,14 +100,14 @@ Contradiction contradiction_of(const CommonError& e, const Site& site,
         fmt::format("that it drifts: times of flight are {} at its end than at its beginning",
                     longer_by(e.size)),
         e.sigmas,
-        "look at what synchronises beacons and receivers, and let the electronics warm up before recording"};
+        "check how beacons and receivers are synchronised, and let the electronics warm up before recording"};
   return {ContradictionKind::kLog,
           path,
           "one clock throughout",
           "that it jumped: " + jump_in_words(e.time_s, e.size),
           e.sigmas,
-          "look at what synchronises beacons and receivers (a restart, a lost pulse), and leave out what was "
-          "recorded before the jump or after it"};
+          "check how beacons and receivers are synchronised (a restart, a lost pulse), and leave out the "
+          "rows before the jump or after it"};
 }
 
 void take_back(const CommonError& e, std::vector<Trajectory>& trajectories) {

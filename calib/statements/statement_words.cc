@@ -141,8 +141,8 @@ class StatementWords {
     c.stated = fmt::format("at {}, held fixed", point(stated));
     c.found = fmt::format("at {}, {} away", point(found), length((found - stated).norm()));
     c.remedy = fmt::format(
-        "survey control point {} again, check its label and its line in the site file; or give it a sigma_m, "
-        "so that the others place it",
+        "survey control point {} again, check its label and its entry in the site file; or give it a "
+        "sigma_m, so that the others determine its position",
         b.name);
   }
 
@@ -156,7 +156,7 @@ class StatementWords {
     c.stated = fmt::format("{}, sigma {}", time(stated.value), time(stated.sigma));
     c.found = time(found_s);
     c.remedy = fmt::format(
-        "look at the electronics of {} and at what stands before it, or state a larger delay_sigma_s "
+        "check the electronics of {} and for obstacles in front of it, or state a larger delay_sigma_s "
         "(timing, or the beacon)",
         whose);
   }
@@ -241,7 +241,7 @@ class StatementWords {
     c.found = fmt::format("at {}, {} away", point(state.receiver_p_vehicle_m[s.index]),
                           length((state.receiver_p_vehicle_m[s.index] - r.position_m).norm()));
     c.remedy = fmt::format(
-        "measure the place of receiver {} on the vehicle again and write it into the site file", r.name);
+        "measure the position of receiver {} on the vehicle again and write it into the site file", r.name);
   }
 
   void describe_attenuation(const Statement& s, Contradiction& c) const {
