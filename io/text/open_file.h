@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/: opening what the user named, and what to say when that fails.
+// Private to io/: opens files named by the user, with error messages.
 
 #include <cstddef>
 #include <string>
@@ -34,7 +34,7 @@ struct OpenFile {
 };
 /// Errors: kBadInput (missing, a folder, a pipe, unreadable, a loop of links, larger than max_bytes).
 [[nodiscard]] Result<OpenFile> open_regular(const std::string& path, std::size_t max_bytes);
-/// Its content; what was there when it was opened, or less if it has become shorter.
+/// Its content when it was opened, or less if it has become shorter.
 [[nodiscard]] Result<std::string> read_all(const OpenFile& file, const std::string& path);
 
 /// Advice for a system error (errno); may be empty.
@@ -55,8 +55,7 @@ class MappedFile {
   [[nodiscard]] std::string_view text() const {
     return map_ != nullptr ? std::string_view(map_, size_) : std::string_view(copy_);
   }
-  /// Gives the memory of the pages that end in [begin, end) back to the system; whoever looks again finds
-  /// them again.
+  /// Releases the memory of the pages that end in [begin, end); they are read again on the next access.
   void release(std::size_t begin, std::size_t end) const;
 
  private:

@@ -73,7 +73,7 @@ struct BeaconLoss {
 struct MovedNote {
   std::string beacon;
   std::array<std::optional<double>, 3> shift_m;  ///< found less stated, where something was stated
-  double sigma_m = 0.0;                          ///< largest of what was found, of the stated axes
+  double sigma_m = 0.0;                          ///< largest found value, of the stated axes
   std::optional<double> stated_sigma_m;          ///< largest that the site file states
   double distance_m = 0.0;                       ///< over the stated axes
 };
@@ -84,7 +84,7 @@ enum class Outcome {
   kNotConverged
 };
 
-/// All that a report says, as plain values.
+/// Content of a report, as plain values.
 struct ReportInput {
   std::string kind = "Calibration";  ///< kind of report: "Calibration", "Survey", "Verification"
   Outcome outcome = Outcome::kCalibrated;

@@ -60,7 +60,7 @@ calib::Provenance provenance(const std::string& site_path, const std::string& si
   return from;
 }
 
-/// Calibrates by `calibrate(options)` with progress and findings shown, and says what came of it.
+/// Calibrates by `calibrate(options)`, with progress and findings, and reports the outcome.
 template <class Calibrate>
 Calibration calibrated(calib::Provenance from, const CalibrateOptions& how, Session& session,
                        Calibrate&& calibrate) {

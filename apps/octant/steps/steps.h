@@ -61,7 +61,7 @@ template <class SiteOrDeployment>
 void write_world(const std::string& folder, const World& world, std::string_view scenario_text,
                  const std::vector<std::string>& may_replace = {});
 
-/// A calibration with all that is said of it.
+/// A calibration with all its results.
 struct Calibration : calib::Calibration {
   bool accepted = false;  ///< exported with a mark in spite of contradictions
   /// Returns true if the deployment is to be written.
