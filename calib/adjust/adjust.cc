@@ -141,8 +141,7 @@ ceres::Solver::Options solver_options(const AdjustOptions& options, bool dense) 
   ceres_options.minimizer_progress_to_stdout = false;
   ceres_options.logging_type = ceres::SILENT;
   ceres_options.max_num_iterations = options.max_iterations;
-  // The work is in EvaluationPoint. With more threads Ceres adds costs up in the order in which these come to
-  // them.
+  // EvaluationPoint does the work. With more threads, Ceres would add costs in the order of their completion.
   ceres_options.num_threads = 1;
   ceres_options.function_tolerance = options.function_tolerance;
   ceres_options.gradient_tolerance = 1e-9;

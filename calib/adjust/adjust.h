@@ -27,13 +27,13 @@ struct AdjustResult {
   std::optional<SystemParts> data;
 };
 
-/// One adjustment of all shared parameters by Ceres: the sum of all tiles is one cost function (at sites of
+/// One adjustment of all shared parameters by Ceres: the sum of all tiles is one cost function (at sites with
 /// very many parameters each tile is one, over the parameter blocks it touches, and the linear system is
 /// sparse). With H = R'R its residual is z = R^-T g and one more row sqrt(2 cost - z'z); its Jacobian is R
-/// and a row of zeros, so that Ceres sees the cost, gradient and Gauss-Newton matrix of the full bundle
+/// and a row of zeros. Ceres therefore uses the cost, gradient and Gauss-Newton matrix of the full bundle
 /// adjustment.
 /// @param x  start and result, order of the layout
-/// @param trajectories  states and rejections; the states are left as solved at x
+/// @param trajectories  states and rejections; at the end, states are solved at x
 AdjustResult adjust(const Problem& problem, const ParameterLayout& layout,
                     std::vector<Trajectory>& trajectories, Eigen::VectorXd& x, const AdjustOptions& options);
 

@@ -205,8 +205,8 @@ std::vector<Covariance::Direction> Covariance::largest(const Eigen::VectorXd& we
     if (!last && m % 10 != 9) continue;
     Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen;
     eigen.computeFromTridiagonal(diagonal.head(m + 1), beside.head(m));
-    // |W C W y - theta y| of a Ritz vector y = Q s is beside_m |s_m|; what is left of theta is of its second
-    // order.
+    // |W C W y - theta y| of a Ritz vector y = Q s is beside_m |s_m|; the error of theta is of second order
+    // in it.
     bool converged = true;
     for (Eigen::Index k = m; k >= 0 && m - k < static_cast<Eigen::Index>(most); --k) {
       converged = converged &&

@@ -12,7 +12,7 @@
 
 namespace octant::calib {
 
-/// Shared parameters as they are known at some point of a calibration.
+/// Shared parameters at some point of a calibration.
 struct Estimate {
   ParameterLayout layout;
   Eigen::VectorXd x;
@@ -29,7 +29,7 @@ struct Estimate {
   }
 };
 
-/// An estimate with the vehicle states that go with it.
+/// An estimate with its vehicle states.
 struct AdjustedLog {
   Estimate estimate;
   std::vector<Trajectory> trajectories;

@@ -42,7 +42,7 @@ struct EvaluationPoint : ceres::EvaluationCallback {
   std::vector<PriorRow> priors;  ///< see prior_rows()
   double cost = 0.0;
   bool is_solved = false;
-  bool at_rest = false;                    ///< the step that led here was the last worth taking
+  bool at_rest = false;                    ///< the last step was the last significant one
   ReducedSystem sum;                       ///< dense
   Eigen::VectorXd reduced_at;              ///< where that was formed
   std::vector<SystemResiduals> residuals;  ///< residuals of the sum; otherwise of each part
@@ -57,10 +57,10 @@ struct EvaluationPoint : ceres::EvaluationCallback {
   /// The system at this point; it is not needed if almost no gain is left.
   void evaluate_system();
 
-  /// A step gains half of its square in the matrix. Steps of Gauss and Newton leave a few hundredths of the
-  /// way behind where lever arms are as short as an octagon's, a tenth at most, and the square of that of the
-  /// gain. The matrix changes by some times what the predicted gain was off, which has to stay below what
-  /// anybody reads in a covariance.
+  /// The gain of a step is half its square in the matrix. Gauss-Newton steps leave a few hundredths of the
+  /// distance for lever arms as short as an octagon's, a tenth at most, and the square of this share of the
+  /// gain. The matrix changes by some times the error of the predicted gain, which must remain negligible in
+  /// a covariance.
   [[nodiscard]] bool nothing_left_to_gain() const;
 
   /// The last system as it looks from here.

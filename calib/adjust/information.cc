@@ -53,7 +53,7 @@ Eigen::SparseMatrix<double> sparse_information(const Problem& problem, const Par
           sum.add(columns[i], columns[j], h);
     part = {};  // their memory is that of the sum from here on
   }
-  // The whole diagonal is there, whatever it holds.
+  // The whole diagonal is stored, also zeros.
   for (int i = 0; i < layout.size(); ++i) sum.add(i, i, 0.0);
   for_each_of_prior(problem, layout, x, [&](int i, int j, double value) { sum.add(i, j, value); });
   return sum.result();

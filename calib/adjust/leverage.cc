@@ -73,7 +73,7 @@ void LeverageSweep::set_root(const Eigen::MatrixXd& L, const std::vector<int>& c
   beacon_C_ = beacon_root_ * root_.transpose();
 }
 
-/// L of the parameters that a segment sees.
+/// L for the parameters of a segment.
 void LeverageSweep::focus(const Trajectory& t, const Segment& segment, const SharedState& state) {
   for (const int column : touched_) place_[static_cast<std::size_t>(column)] = -1;
   touched_.clear();
@@ -193,7 +193,7 @@ void LeverageSweep::assemble(const Trajectory& t, const Segment& segment, const 
   });
 }
 
-/// Front to back; the node beyond the block's end takes what is passed on to it.
+/// Front to back; the node beyond the block's end receives the elimination of the previous ones.
 void LeverageSweep::eliminate(bool first_pass) {
   for (std::size_t k = first_; k < last_; ++k) {
     const auto at = static_cast<Eigen::Index>(k - first_) * n_;

@@ -41,7 +41,7 @@ struct RowLeverage {
 /// A lateness that all arrivals of one beacon share, as one more unknown c of the adjustment (not estimated).
 struct LatenessInformation {
   double total = 0.0;          ///< c'c: if all else were known [1/s^2]
-  double remaining = 0.0;      ///< c'(I - H)c: what the residuals show of it [1/s^2]
+  double remaining = 0.0;      ///< c'(I - H)c: information in the residuals [1/s^2]
   double shift_m_per_s = 0.0;  ///< largest shift of a free beacon coordinate by it
 };
 
@@ -88,7 +88,7 @@ class LeverageSweep {
   /// Information on each beacon's lateness, after all trajectories were processed; empty if the covariance is
   /// not dense.
   [[nodiscard]] std::vector<LatenessInformation> lateness() const;
-  /// L of the covariance as a whole (of the segment at hand, where that is not formed).
+  /// L of the whole covariance (of the current segment, if that is not formed).
   [[nodiscard]] const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& root() const {
     return root_;
   }

@@ -23,9 +23,9 @@ namespace octant::calib {
 std::size_t reject_outliers(std::vector<Trajectory>& trajectories, const SharedState& state, double limit,
                             int threads = 1);
 
-/// The noise of arrivals is another one: what a measured amplitude leaves of the walk is no noise of the
-/// times, and stays.
-/// @param before_s, now_s  of the times of flight
+/// Changes the noise of arrivals. The part due to measured amplitudes (walk) is not noise of the times and
+/// remains.
+/// @param before_s, now_s  noise of the times of flight
 void rescale_noise(std::vector<Trajectory>& trajectories, double before_s, double now_s);
 /// Scales the sigmas of measured poses by a factor.
 void rescale_poses(std::vector<Trajectory>& trajectories, double factor);

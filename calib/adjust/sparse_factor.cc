@@ -64,8 +64,8 @@ SparseFactor::SparseFactor(std::unique_ptr<Parts> parts) : parts_(std::move(part
 
 SparseFactor::~SparseFactor() = default;
 
-/// Z_PP, lower triangle, of the rows below a supernode's diagonal block. They are ascending, and those behind
-/// one of them stand among the rows of its own supernode.
+/// Z_PP, lower triangle, for the rows below a supernode's diagonal block. They are ascending, and the rows
+/// after each of them are among those of its own supernode.
 Eigen::MatrixXd SparseFactor::gather(const std::vector<int>& P) const {
   const auto p = static_cast<Eigen::Index>(P.size());
   Eigen::MatrixXd Z(p, p);

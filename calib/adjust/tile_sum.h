@@ -45,8 +45,8 @@ class TileSum : public SystemSum {
  public:
   TileSum(std::vector<Trajectory>& trajectories, const ParameterLayout& layout, const Workers& workers);
 
-  /// Solves for all states from where they were committed; returns the cost. Where a tile belongs to another
-  /// rank its states here stay as they were until `share_states`.
+  /// Solves all states, starting from the committed ones; returns the cost. States of tiles of other ranks
+  /// are unchanged here until `share_states`.
   double solve_states(const SharedState& state, const RobustLoss& loss) override;
   /// Reduced system of everything in all the layout's parameters, at the states of the last `solve_states`;
   /// commits them.
@@ -60,7 +60,7 @@ class TileSum : public SystemSum {
   [[nodiscard]] const std::vector<double>& costs() const override { return costs_; }
   /// Adds all of it by its parts, one after the other on this thread and this rank alone; commits the states.
   void reduce_onto(const SharedState& state, SystemParts& sum);
-  /// States as they were committed last, on every rank.
+  /// Restores the states committed last, on every rank.
   void share_states();
 
   void commit() override;
@@ -72,7 +72,7 @@ class TileSum : public SystemSum {
   [[nodiscard]] std::size_t first_of(std::size_t share) const;
   template <class Work>
   void for_each_of_mine(Work&& work);
-  /// Adds what the other ranks have of it, and fills both triangles.
+  /// Adds the parts of the other ranks, and fills both triangles.
   void complete(ReducedSystem& system) const;
   /// @param off  by how much each tile's cost was off, this rank's
   void correct_costs(std::vector<double>& off);

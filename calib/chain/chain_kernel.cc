@@ -65,9 +65,9 @@ HWY_INLINE void solve_block(const SmallCholesky<N>& factor, const double* A, boo
     }
 }
 
-/// States that no column of the border but the gradient touches, the ones between two others: they go first,
-/// onto these two alone, so that the border sees only states that observe it.
-/// @param first, last  the first of them, the one behind them
+/// Eliminates states that only the gradient column of the border touches, between two others. They are
+/// eliminated first, onto these two alone, so that the border has only states that observe it.
+/// @param first, last  the first of them, and the one behind them
 template <int N>
 HWY_INLINE void eliminate_plain(const ChainWindow& w, std::size_t first, std::size_t last,
                                 double spare_floor) {
@@ -98,7 +98,7 @@ HWY_INLINE void eliminate_plain(const ChainWindow& w, std::size_t first, std::si
   }
 }
 
-/// One state: what follows takes what it passes on.
+/// Eliminates one state onto its successor.
 /// @param Y  L^-1 G, may be where G is
 template <int N>
 HWY_INLINE void eliminate_state(double* A, const double* U, const double* G, double* Y, double* A_next,

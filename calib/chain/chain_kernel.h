@@ -19,19 +19,19 @@ struct ChainWindow {
   double* U = nullptr;     ///< states x block x block: coupling to the next state
   double* G = nullptr;     ///< (states + 1) x block x width: coupling to the border
   double* H = nullptr;     ///< width x width: the border's own; only the lower triangle is meant
-  /// Says of each state whether no column of the border but `gradient` couples to it; null: not known. The
-  /// first state is never plain.
+  /// For each state, true if no column of the border except `gradient` couples to it; null: unknown. The
+  /// first state never counts as such.
   const char* is_plain = nullptr;
   std::size_t gradient = 0;
 };
 
 /// Eliminates the states front to back: with D = L L', W = L^-1 U, Y = L^-1 G of each,
 ///   D_next -= W'W,   G_next -= W'Y,   H -= Y'Y
-/// (Schur complement of a bordered block-tridiagonal matrix). D and G of the state behind them are left as
-/// they then are; what D, U and G of the others hold is of no use any more. States that do not see the border
-/// (odometry more often than arrivals) go before the others, onto their neighbours.
-/// @param floor  of a diagonal, by how much of its largest element it grows before it is factored; where that
-/// is not positive definite, 100 times `spare_floor` is added
+/// (Schur complement of a bordered block-tridiagonal matrix). D and G of the next state have the result; D, U
+/// and G of the others are overwritten. States that do not couple to the border (odometry more often than
+/// arrivals) are eliminated before the others, onto their neighbours.
+/// @param floor  share of its largest element by which a diagonal grows before it is factored; if it is not
+/// positive definite, 100 times `spare_floor` is added
 void eliminate(const ChainWindow& window, double floor_of_last, double spare_floor);
 
 }  // namespace octant::calib

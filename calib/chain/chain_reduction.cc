@@ -145,7 +145,7 @@ void reduce_open_segment(const ChainPaths& chain, const Segment& segment, const 
                         segment.last_node - segment.first_node - (out.has_right ? 1U : 0U)};
   ReducedStretch from;
   StretchReducer<N>(chain, segment, state, loss, place, columns).reduce(stretch, from);
-  // Where each column of its border stands; the gradient's is the last.
+  // Position of each column of its border; the gradient's is the last.
   const std::size_t gradient = from.gradient(out.has_left ? N : 0);
   std::vector<Eigen::Index> at(from.columns.begin(), from.columns.end());
   const auto left = static_cast<Eigen::Index>(columns), right = left + (out.has_left ? N : 0),

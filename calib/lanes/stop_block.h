@@ -25,8 +25,8 @@ inline constexpr double kUnobservedFloor = 1e-14;
 /// log, and fetching whole observations from there costs more than copying these in passing.
 class StopArrivals {
  public:
-  /// Room for all arrivals of a trajectory, at least one. Any thread may call add() for each of them, or for
-  /// no arrival.
+  /// Allocates memory for all arrivals of a trajectory, at least one. Any thread may call add() for each of
+  /// them, or for no arrival.
   explicit StopArrivals(const Trajectory& trajectory);
   void add(std::size_t i, const ArrivalObservation& arrival);
 
@@ -99,7 +99,7 @@ class StopBlock {
     double factor[2] = {};
   };
 
-  /// Asks memory for what a pack needs.
+  /// Prefetches the data of a pack.
   void fetch(std::size_t p, const StopArrivals& arrivals) const;
   void group(const StopArrivals& arrivals);
   void pack(const StopArrivals& arrivals);

@@ -169,7 +169,7 @@ HWY_INLINE void add_receiver(const Antenna& a, const Constants& constants, const
   }
 }
 
-/// Adds measured poses; their cost is twice what it counts, as that of the paths so far.
+/// Adds measured poses; their cost is doubled, like that of the paths so far.
 HWY_INLINE void add_poses(const StopPack& pack, std::size_t part, const View& view, StopNormal& out) {
   for (int p = 0; p < 3; ++p) {
     const V weight = load(pack.poses->weight[p], part);

@@ -174,7 +174,8 @@ void add_schur_in_lanes(StopSums& sums) {
   }
 }
 
-/// Y = L^-1 G of the active columns onto the rows that wait, and what the states take from the gradient.
+/// Appends Y = L^-1 G of the active columns to the waiting rows, and subtracts the part of the states from
+/// the gradient.
 template <bool kOffset>
 HWY_INLINE void eliminate(const StopNormal& normal, double unobserved, std::size_t part, StopSums& sums) {
   constexpr int n = kOffset ? 4 : 3;
@@ -212,8 +213,7 @@ struct SpeedSums {
 template <bool kOffset, bool kRobust>
 HWY_INLINE void reduce_part(const StopTables tables, const StopPack pack, const StopStates& states,
                             const StopLayout& layout, double unobserved, std::size_t part, StopSums& sums) {
-  // Copies, as a vector may be stored anywhere: what is reached through a reference would be read again after
-  // every store.
+  // Copies, because values behind a reference would be read again after every store of a vector.
   const bool receivers_free = layout.receivers_free;
   const std::size_t receivers = layout.receivers, columns = layout.columns() + 1,
                     speed_column = layout.speed(), receiver_column = layout.of_receiver(0);

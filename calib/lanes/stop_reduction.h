@@ -52,7 +52,7 @@ struct StopSums {
   /// Zero, and of the layout's size.
   void clear(const StopLayout& layout, bool has_offset);
   /// The reduced system: upper right triangle of H (columns x columns) and the gradient. Only the active
-  /// columns mean anything.
+  /// columns are valid.
   void finish(const StopLayout& layout, double sigma_s, std::vector<double>& H,
               std::vector<double>& gradient);
 };

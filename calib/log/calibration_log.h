@@ -20,7 +20,7 @@ class CalibrationLog {
  public:
   virtual ~CalibrationLog() = default;
 
-  /// Site, and runs as far as they are at hand; of a log that is read, from the first sample on.
+  /// Site, and the runs in memory; for a log that is read, after the first sample.
   [[nodiscard]] virtual const Problem& problem() const = 0;
 
   struct Sample {

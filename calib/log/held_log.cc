@@ -15,8 +15,7 @@
 namespace octant::calib {
 namespace {
 
-/// Where a beacon is hardly known the last adjustment creeps along a bent valley, and comes to rest all the
-/// same.
+/// If a beacon is hardly determined, the last adjustment moves slowly along a curved valley, but converges.
 constexpr int kIterationsToRest = 4;
 
 }  // namespace

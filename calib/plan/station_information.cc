@@ -27,7 +27,7 @@ namespace {
 constexpr double kVagueExtents = 4.0;
 /// Audible with so much in hand over the threshold: a crossing at the very threshold comes infinitely late.
 constexpr double kAudible = 1.05;
-constexpr double kSure = 2.0;        ///< sigmas of a beacon's place by which it has to lie within hearing
+constexpr double kSure = 2.0;        ///< sigmas of a beacon's position by which it must be within range
 constexpr double kMostMargin = 0.1;  ///< largest margin of range and angle
 constexpr double kUnobservableByStop = 1e-12;  ///< threshold for a covariance scaled to a unit diagonal
 constexpr double kPoseRank =
@@ -173,7 +173,7 @@ bool hears(const Knowledge& k, std::size_t beacon, std::size_t receiver_index,
   return !hearing.also || hearing.also(BeaconId(beacon), ReceiverId(receiver_index), T_map_vehicle);
 }
 
-/// From priors, or from what a calibration knows, whichever the layout's columns carry.
+/// From priors, or from a calibration, depending on the layout's columns.
 void fill_place_sigmas(Knowledge& k) {
   const Eigen::MatrixXd C =
       *Covariance(k.information, free_datum(k.problem, k.layout, k.state, k.information)).matrix();

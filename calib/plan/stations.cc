@@ -136,8 +136,7 @@ class Planner {
     add_information(rows_.back(), information_);
   }
 
-  /// Not where another stop is already: what is wrong with one place (an echo, a shadow) would be measured
-  /// twice.
+  /// Excludes positions of existing stops, where local errors (an echo, a shadow) would be measured twice.
   [[nodiscard]] bool is_apart(const Stop& s, std::size_t but) const {
     for (std::size_t i = 0; i < stops_.size(); ++i)
       if (i != but && (stops_[i].position_m - s.position_m).norm() < 0.5 * options_.spacing_m) return false;
@@ -226,7 +225,7 @@ class Planner {
     return changed;
   }
 
-  /// The stops in the order of their gain (or as they are), with what each brings.
+  /// The stops in the order of their gain (or unchanged), with the gain of each.
   StationPlan ranked_plan(bool best_first = true) {
     Eigen::MatrixXd information = k_.information;
     plan_.before = beacon_knowledge(k_, information);

@@ -185,9 +185,9 @@ std::optional<OffsetDifference> difference_at(const std::vector<ClockOffset>& o,
                                                     1.0 / static_cast<double>(after.size()))};
 }
 
-/// Medians hardly feel on which side a stop or two stand, so the split found by them is flat; the one that
-/// leaves the least absolute deviation from the medians on either side is sharp.
-/// @return the first of [first, last) that is after it
+/// Refines a split. Medians depend little on the side of single stops, so the split found by them is
+/// inaccurate; the one with the smallest absolute deviation from the medians on both sides is accurate.
+/// @return the first of [first, last) after it
 std::size_t sharpened(const std::vector<ClockOffset>& o, std::size_t first, std::size_t last, std::size_t i) {
   std::vector<double> before, after;
   for (std::size_t k = first; k < i; ++k) before.push_back(o[k].offset_s);

@@ -12,9 +12,9 @@
 
 namespace octant::calib {
 
-/// Jumps that the log alone shows: the ranges of most beacons change together, in the same sense, by more
-/// than the vehicle can have moved in between: 5 m/s, or what its odometry says and a tenth. Small jumps
-/// between stops far apart in time are beyond it.
+/// Jumps that the log alone shows: the ranges of most beacons change together, in one direction, by more than
+/// the vehicle can have moved in between (5 m/s, or its odometry plus a tenth). Small jumps between stops far
+/// apart in time are not detectable in this way.
 [[nodiscard]] std::vector<ClockStep> steps_in_ranges(const Site& site, const MeasurementLog& run);
 
 /// Returns true if there is a jump in any of the runs.

@@ -25,8 +25,8 @@ namespace octant::calib {
 [[nodiscard]] std::vector<std::string> flips_in_words(const MeasurementLog& run,
                                                       const std::vector<std::int64_t>& epochs);
 
-/// Heading flips in words, for the user to look at: epochs that began facing the wrong way, by more than 90
-/// degrees against what they were adjusted to, and were turned.
+/// Descriptions of heading flips for the user: epochs whose initial heading differed by more than 90 degrees
+/// from the adjusted one and was reversed.
 /// @param before  from epoch_headings_rad, of the start
 [[nodiscard]] std::vector<std::string> report_flips(const Site& site, const std::vector<MeasurementLog>& runs,
                                                     const std::vector<Trajectory>& trajectories,

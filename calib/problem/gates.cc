@@ -14,7 +14,7 @@ namespace octant::calib {
 namespace {
 
 constexpr double kSigmas = 4.0;
-/// A beacon known to a larger share of its range says little in a triangle.
+/// Accuracy of a beacon relative to its range above which a triangle is not informative.
 constexpr double kKnownShare = 0.1;
 
 /// Chang's rules on a whole trajectory; a cycle offset hides the ranges.
@@ -47,7 +47,7 @@ class TriangleGate {
     speed_sigma_mps_ = site.speed_sigma_mps;
   }
 
-  /// Some pair of beacons may be known well enough to say anything.
+  /// Returns true if some pair of beacons is accurate enough for a test.
   [[nodiscard]] bool any() const { return placed_ >= 2; }
 
   void gate(Trajectory& t, const Segment& s) const {

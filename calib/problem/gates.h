@@ -9,11 +9,11 @@
 
 namespace octant::calib {
 
-/// Marks arrivals that cannot be direct before anything is known of the vehicle, so that the start need not
-/// doubt the rest: Chang's two range rules (Site::gates), and Kleeman's triangle inequality (eq. 5-6) between
-/// arrivals of one epoch at one receiver, for beacons whose places are known well enough. Tolerances cover
-/// noise, delays, speed and places at four sigmas. A mark is no sentence: an arrival that fits the final
-/// adjustment is used after all (reject_outliers).
+/// Marks arrivals that cannot be direct before the vehicle's poses are known: Chang's two range rules
+/// (Site::gates), and Kleeman's triangle inequality (eq. 5-6) between arrivals of one epoch at one receiver,
+/// for beacons with sufficiently known positions. Tolerances include noise, delays, speed and positions at
+/// four sigmas. A mark is not final: an arrival that agrees with the final adjustment is used
+/// (reject_outliers).
 void apply_gates(const Site& site, std::vector<Trajectory>& trajectories, int threads = 1);
 
 /// Returns true if a gate made the rejection, which stays until the residual shows otherwise.

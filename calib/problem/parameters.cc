@@ -23,7 +23,7 @@ Eigen::Vector2d corner_of(const ParameterLayout& layout, const SharedState& stat
   return Eigen::Vector2d::Zero();
 }
 
-/// Turns and widens the octagons of a state to what the unknowns say.
+/// Rotates and scales the octagons of a state by their unknowns.
 void shape_arrays(const ParameterLayout& layout, const Eigen::VectorXd& x, SharedState& state) {
   for (std::size_t v = 0; v < layout.vehicles(); ++v) {
     if (!layout.has_array(VehicleId(v))) continue;
@@ -41,7 +41,7 @@ void shape_arrays(const ParameterLayout& layout, const Eigen::VectorXd& x, Share
   }
 }
 
-/// Parameters of a block are of one owner and kind; those of pairs are blocks of their own.
+/// Parameters of a block have one owner and kind; those of pairs are separate blocks.
 bool shares_block(const ParameterId& a, const ParameterId& b) {
   return a.kind == b.kind && a.owner == b.owner && a.kind != ParameterKind::kPairBias;
 }

@@ -27,8 +27,8 @@ struct PathColumns {
   [[nodiscard]] auto end() const { return entry.begin() + static_cast<std::ptrdiff_t>(count); }
 };
 
-/// @param receiver  invalid: a reflector that is seen, which has its place alone
-/// @param run  of the trajectory that the observation belongs to
+/// @param receiver  invalid for an observed reflector, which has only a position
+/// @param run  run of the trajectory of the observation
 [[nodiscard]] inline PathColumns path_columns(const ParameterLayout& layout, BeaconId beacon,
                                               ReceiverId receiver, std::size_t run) {
   PathColumns path;

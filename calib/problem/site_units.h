@@ -46,8 +46,8 @@ struct ScaledParts {
 /// the site.
 [[nodiscard]] Site in_unit(const Site& site, const LengthUnit& unit, const ScaledParts& parts);
 
-/// Numbers of the site file that no recording can agree with: a delay longer than every time of flight
-/// (microseconds for seconds). Errors (kBadInput): value, what it should be, the unit it looks like.
+/// Finds numbers in the site file with which no recording can agree: a delay longer than every time of flight
+/// (microseconds instead of seconds). Errors (kBadInput): value, expected value, and the probable unit.
 [[nodiscard]] Result<void> check_site_units(const Site& site, const std::vector<MeasurementLog>& runs);
 
 }  // namespace octant::calib

@@ -93,7 +93,7 @@ class Subsampler {
     return drive_ ? stretches_kept(site_, options_, run_.arrivals.size(), groups_.size()) : options_.instants;
   }
 
-  /// A long stand: one epoch with more of the same than anybody needs.
+  /// A long stop: one epoch with more repetitions than necessary.
   [[nodiscard]] bool crowded() const {
     return std::ranges::any_of(groups_, [this](const Group& g) {
       if (g.arrivals.size() <= options_.per_pair) return false;
@@ -255,7 +255,7 @@ void choose_more(GroupsHearing& hearing, std::size_t per_beacon, std::vector<boo
   std::vector<std::size_t>& kept = hearing.kept;
   for (std::size_t b = 0; b < kept.size(); ++b) {
     const std::vector<std::size_t>& more = hearing.more[b];
-    // Evenly again: every 2nd, 4th, ... of what is left, halves first.
+    // Evenly spaced again: every 2nd, 4th, ... of the rest, halves first.
     for (std::size_t step = std::max<std::size_t>(1, more.size() / 16); kept[b] < per_beacon; step /= 2) {
       for (std::size_t i = 0; i < more.size() && kept[b] < per_beacon; i += step) {
         if (chosen[more[i]]) continue;

@@ -22,7 +22,8 @@ constexpr int kSubsetSize = 6;
 /// good.
 constexpr double kAsGood = 8.0;
 
-/// Misfit of a ray over its standard deviation, that of the place it is seen from included, and what that is.
+/// Misfit of a ray divided by its standard deviation, which includes that of its origin; and this standard
+/// deviation.
 struct RayMisfit {
   double e = 0.0, sigma_rad = 1.0;
   Eigen::Vector2d v = Eigen::Vector2d::Zero();

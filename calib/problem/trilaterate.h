@@ -16,7 +16,7 @@ struct RangeFrom {
   double range_m = 0.0;
 };
 
-/// A horizontal direction seen from a known place by a vehicle of known heading.
+/// A horizontal direction observed from a known position by a vehicle of known heading.
 struct RayFrom {
   Eigen::Vector2d p_map_m;
   double direction_rad = 0.0;  ///< in the map, counter-clockwise from +x

@@ -21,8 +21,8 @@ constexpr double kFastestMps = 5.0;
 constexpr std::size_t kPairsNeeded = 50, kNeighbours = 6;
 constexpr double kTogetherS = 0.25;
 
-/// By which an arrival is later than its way alone: the prior mean of the delay, which stands once, whoever
-/// has it (prior_state), and the turnaround.
+/// Delay of an arrival in addition to its path: the prior mean of the delay, which applies once for any kind
+/// of delay (prior_state), and the turnaround.
 double stated_lateness_s(const Site& site, const Arrival& a) {
   const Timing& timing = site.timing;
   const double delay_s =

@@ -191,9 +191,9 @@ class Approacher {
     return true;
   }
 
-  /// A beacon is not where the site file has it because a robust start ended elsewhere: it is adjusted from
-  /// its stated place as well, all such beacons at once, then one by one, and the stated place is disregarded
-  /// only where that is clearly worse.
+  /// A beacon may deviate from the site file because a robust start converged elsewhere. All such beacons are
+  /// therefore also adjusted from their given positions, at first together, then one by one. The given
+  /// position is ignored only if the result is clearly worse.
   bool believe_stated(const AdjustedLog& before, LabelCheck& check) {
     const auto better_than = [this](const ConsensusCost& other) {
       const double noise = agreeing_sigma(out_.trajectories, estimate_.state());

@@ -70,7 +70,7 @@ std::vector<KnownPlace> known_places(const Problem& problem, const AdjustedLog& 
   return places;
 }
 
-/// Line in which a map may be reflected without moving what is known.
+/// Line in which a map can be reflected without moving known positions.
 struct Line {
   Eigen::Vector2d mean_m = Eigen::Vector2d::Zero(), normal = Eigen::Vector2d::UnitY();
   [[nodiscard]] Eigen::Vector2d image(const Eigen::Vector2d& p_m) const {

@@ -16,8 +16,8 @@
 namespace octant::calib {
 namespace {
 
-/// Places of the grid to either side, in each free coordinate. The geometry makes a place be off by more than
-/// its ranges.
+/// Number of grid positions to either side, in each free coordinate. Depending on the geometry, the error of
+/// a position exceeds that of its ranges.
 constexpr int kToEitherSide = 3;
 /// Spacing of the grid: the largest error of this fraction of the ranges.
 constexpr double kSpacingQuantile = 0.9;

@@ -26,7 +26,7 @@ constexpr double kFalseAlarms = 0.002;
 /// Least significance of a contradiction. Models are not exact, so smaller deviations do not count for any
 /// number of observations.
 constexpr double kFewestSigmas = 5.0;
-/// A deviation below this share of the site's tolerance is of no consequence.
+/// Share of the site's tolerance below which a deviation is irrelevant.
 constexpr double kMatters = 0.2;
 /// Limits for suspects, before any new adjustment: significance, and share of rejected arrivals of a control
 /// point.

@@ -26,9 +26,8 @@ struct TrajectoryFindings {
   std::size_t counted_before = 0;  ///< unknowns of states that another part counts
 };
 
-/// Gathers the findings of a log part by part, stops and drives alike: what a part has to say is written as
-/// numbers, those of all parts and ranks stand one behind the other, and are read back from there in the
-/// order of the parts.
+/// Collects the findings of a log, for stops and drives, part by part. Each part writes its findings as
+/// numbers. Those of all parts and ranks are concatenated and read back in the order of the parts.
 class FindingsGatherer {
  public:
   /// @param frame   outlives it; with all bearings

@@ -121,7 +121,7 @@ class SpreadArrivals {
   std::vector<std::vector<double>> residuals_, ranges_m_;
 };
 
-/// The noise of trajectories that were just read is as it was found.
+/// The noise of trajectories that were just read is the initial one.
 inline void take_noise(const Problem& frame, const Estimate& estimate,
                        std::vector<Trajectory>& trajectories) {
   const double stated_s = frame.site.noise.tof_sigma_s;

@@ -89,8 +89,8 @@ class NewtonSteps {
     return sum;
   }
 
-  /// To the optimum of what the observations look like from a point, priors, bounds and taped distances as
-  /// they are.
+  /// A step to the optimum of the quadratic model of the observations, with priors, bounds and taped
+  /// distances.
   struct NewtonStep {
     Eigen::VectorXd x;
     double gain = 0.0;

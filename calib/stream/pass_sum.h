@@ -14,7 +14,7 @@ namespace octant::calib {
 
 /// Counts of one pass over a log, for a piece, a rank, or all.
 struct PassCounts {
-  double cost_before = 0.0;  ///< with the rejections as they were before the pass
+  double cost_before = 0.0;  ///< with the rejections before the pass
   std::size_t changed = 0;   ///< marks
   ObservationCounts of_log;  ///< without residuals
   PoseSquares poses;
@@ -48,17 +48,17 @@ struct PassSum {
 /// Rule by which a pass rejects arrivals.
 enum class RejectionPolicy {
   kKept,      ///< rejections are unchanged
-  kFirst,     ///< rejected at the states as they are, which are solved then
+  kFirst,     ///< rejected at the present states, which are then solved
   kConverged  ///< rejected at solved states, which are solved again where rejections changed
 };
 
-/// Takes what the parts of a log give in the order of the parts, whichever is ready first, so that no sum
-/// depends on the number of threads.
+/// Processes the results of the parts of a log in the order of the parts, for any order of completion, so
+/// that no sum depends on the number of threads.
 template <class Value>
 class OrderedParts {
  public:
   explicit OrderedParts(std::size_t first) : next_(first) {}
-  /// Calls take(part, value) as soon as it is a part's turn.
+  /// Calls take(part, value) when all previous parts are complete.
   template <class Take>
   void add(std::size_t part, const Value& value, Take&& take) {
     const std::lock_guard lock(mutex_);

@@ -12,8 +12,8 @@
 
 namespace octant::calib {
 
-/// Observations as they look from a point: their cost, gradient and Gauss-Newton matrix there are all that is
-/// known of them. What a log leaves of itself when its arrivals are gone.
+/// Quadratic model of observations at a point: their cost, gradient and Gauss-Newton matrix. Represents a log
+/// without its arrivals.
 class QuadraticSum : public SystemSum {
  public:
   /// @param data     at `at`

@@ -11,10 +11,10 @@
 namespace octant::calib {
 
 /// Writes a trajectory with its states and the rows of its arrivals.
-/// @param rows  of the run, as far as they are at hand: what ArrivalObservation::arrival counts
+/// @param rows  rows of the run in memory, to which ArrivalObservation::arrival refers
 void write_trajectory(const Trajectory& trajectory, const std::vector<Arrival>& rows, BufferWriter& buffer);
 
-/// Reads one behind what a trajectory and the rows hold already.
+/// Reads one and appends it to a trajectory and the rows.
 /// @param model  of the site
 void read_trajectory(const TrajectoryModel& model, BufferReader& buffer, Trajectory& to,
                      std::vector<Arrival>& rows);

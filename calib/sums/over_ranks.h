@@ -65,7 +65,7 @@ inline std::vector<double> in_order(const Ranks* ranks, std::vector<std::vector<
   return all;
 }
 
-/// Systems of whatever columns each rank has.
+/// Sums systems with different columns on each rank.
 inline void sum_over(const Ranks* ranks, SystemParts& data) {
   if (ranks == nullptr) return;
   std::vector<std::vector<double>> mine(1);

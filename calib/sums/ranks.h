@@ -6,9 +6,8 @@
 
 namespace octant::calib {
 
-/// Processes that solve one problem together: all hold the same recordings, each solves for and reduces its
-/// share of the tiles, and what they found is added up. Whoever starts them (MPI) implements it; without it a
-/// process is alone.
+/// Processes that solve one problem together: all have the recordings, each solves and reduces its share of
+/// the tiles, and the results are added. The launcher (MPI) implements it; without it there is one process.
 class Ranks {
  public:
   virtual ~Ranks() = default;

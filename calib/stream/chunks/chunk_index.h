@@ -12,8 +12,8 @@
 
 namespace octant::calib {
 
-/// A part of a run that is worked on at once: the groups that begin in blocks [first_block, last_block). A
-/// group are the states of a vehicle that hang together: an epoch, as a rule.
+/// A part of a run that is processed at once: the groups that begin in blocks [first_block, last_block). A
+/// group consists of connected states of a vehicle, normally an epoch.
 struct Chunk {
   std::size_t run = 0;
   std::size_t first_block = 0, last_block = 0;

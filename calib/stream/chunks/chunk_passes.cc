@@ -39,7 +39,7 @@ void for_each_arrival(const ChunkWork& w, Visit&& visit) {
   }
 }
 
-/// Adds up what the chunks of a log give in the order of the chunks, whichever is ready first, so that no sum
+/// Adds the results of the chunks of a log in their order, for any order of completion, so that no sum
 /// depends on the number of threads.
 class PassSummer {
  public:

@@ -22,7 +22,7 @@ struct StreamPlan {
 };
 [[nodiscard]] StreamPlan stream_plan(std::size_t memory_bytes, int threads);
 
-/// A chunk of a log that a worker has at hand.
+/// A chunk of a log that a worker processes.
 struct ChunkWork {
   const Chunk* chunk = nullptr;
   MeasurementLog log;

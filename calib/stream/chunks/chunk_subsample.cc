@@ -132,7 +132,7 @@ Result<MeasurementLog> subsample_of_stops(std::size_t run, const Site& site, con
   const std::vector<Bearing>& bearings = source.log(run).bearings;
   for (const std::size_t b : StateBearings(bearings, index.kinds(run)).of_states_in(sample.arrivals))
     sample.bearings.push_back(bearings[b]);
-  // All of these epochs, but not more of one pair within one than is good for anything.
+  // All of these epochs, with a limited number of arrivals of one pair in each.
   SubsampleOptions all = kLongLogSubsample;
   all.instants = index.states(run);
   all.per_beacon = 0;

@@ -67,7 +67,7 @@ struct DrivePiece {
   bool open_left = false, open_right = false;  ///< has a neighbour there
 };
 
-/// A piece that a worker has at hand.
+/// A piece that a worker processes.
 struct DriveWork {
   const DrivePiece* piece = nullptr;
   MeasurementLog log;
@@ -90,7 +90,7 @@ class DriveIndex {
   [[nodiscard]] const std::vector<DriveChain>& chains() const { return chains_; }
   [[nodiscard]] const std::vector<DrivePiece>& pieces() const { return pieces_; }
   [[nodiscard]] const DriveGroups& groups(std::size_t run) const { return groups_[run]; }
-  /// A piece with a unit more wherever it has a neighbour.
+  /// A piece extended by one unit on each side with a neighbour.
   [[nodiscard]] DrivePiece widened(const DrivePiece& piece) const;
   [[nodiscard]] std::size_t arrivals() const { return arrivals_; }  ///< arrivals that belong to a state
   [[nodiscard]] std::size_t nodes() const { return nodes_; }
@@ -99,8 +99,8 @@ class DriveIndex {
   /// Replaces the content of `arrivals` by the arrivals of a group. Any thread may call it.
   [[nodiscard]] Result<void> read(const ArrivalSource& source, std::size_t run, const DriveGroup& group,
                                   std::vector<Arrival>& arrivals) const;
-  /// A piece as a log: its odometry rows, first state to last, its arrivals, bearings and measured poses; all
-  /// else of the run stays as it is.
+  /// A piece as a log: its odometry rows, first state to last, its arrivals, bearings and measured poses; the
+  /// other lists of the run are unchanged.
   /// @return the number in the run of its first bearing
   [[nodiscard]] Result<std::size_t> read(const ArrivalSource& source, const DrivePiece& piece,
                                          MeasurementLog& log) const;

@@ -276,7 +276,8 @@ Result<PassSum> DrivePasses::pass(const Estimate& estimate, RejectionPolicy poli
     if (w.t().nodes.front().placed)
       solve_states(*w.piece, estimate.layout, state, policy, counts[k], w, system);
     counts[k].of_log = count_observations(w.t(), state, 1, false);
-    // The share of the poses in the redundancy is that of the piece by itself: a part in some thousands less.
+    // The share of the poses in the redundancy is that of the piece alone, which is too small by a few
+    // thousandths.
     counts[k].poses = squares_of_poses(w.t(), state);
     if (w.piece->open_left && w.t().nodes.front().placed)  // told before
       counts[k].of_log.states -= static_cast<std::size_t>(block_size());

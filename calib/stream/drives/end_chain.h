@@ -19,10 +19,10 @@ void exchange(Buffer& buffer, BufferRecord<OpenChain> auto&& chain) {
   buffer.exchange(chain.has_left, chain.has_right, chain.cost, chain.gradient, chain.H);
 }
 
-/// The states at which a drive is cut into pieces, eliminated one after the other. With D the block of
-/// an end, U its coupling to the next one, G that to the parameters and the gradient, D = L L',
-///   W = L^-1 U,   Y = L^-1 G,   D_next -= W'W,   G_next -= W'Y,   H -= Y'Y
-/// what they step when the parameters step by dx follows backwards, L' e = -(Y (dx, 1) + W e_next).
+/// Eliminates the states between the pieces of a drive in order. With D the block of an end, U its coupling
+/// to the next one, G that to the parameters and the gradient, D = L L',
+///   W = L^-1 U,   Y = L^-1 G,   D_next -= W'W,   G_next -= W'Y,   H -= Y'Y.
+/// Their steps e for a step dx of the parameters follow backwards: L' e = -(Y (dx, 1) + W e_next).
 class EndChain {
  public:
   /// @param block  unknowns of a state (Trajectory::block_size())
@@ -33,7 +33,7 @@ class EndChain {
 
   /// The pieces, first to last.
   void append(const OpenChain& piece);
-  /// Adds what is left of them all to a system; its cost is less what the ends' own step gains.
+  /// Adds their reduced system to another one; the cost includes the gain of the ends' own step.
   void add_to(ReducedSystem& system) const;
   /// The step of each end, in its unknowns, when the parameters step so.
   [[nodiscard]] std::vector<NodeVector> steps(const Eigen::VectorXd& dx) const;
