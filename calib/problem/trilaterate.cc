@@ -204,7 +204,7 @@ class Solver {
   void for_each_image(const Eigen::Vector3d& place, double best, double scales_apart, Visit&& visit) const {
     if (ranges_.empty()) return;
     for (const Eigen::Vector3d& normal : normals()) {
-      if (is_flat() && options_.above && std::abs(normal.z()) > 0.9) continue;  // settled by "above"
+      if (is_flat() && options_.above && std::abs(normal.z()) > 0.9) continue;  // decided by "above"
       Eigen::Vector3d p = place - 2 * normal.dot(place - spread_.mean) * normal;
       impose_held(p);
       p = refine(p, 2 * options_.scale_m);

@@ -93,11 +93,10 @@ AsLeft as_left(const Deployment& before, const KnownParameters& known, const Eig
         std::sqrt(std::max(0.0, SymmetricEigen<Eigen::Matrix3d>(b.covariance_m2).eigenvalues()[2]));
     if (worst_m <= tolerance_m) continue;
     b.status = BeaconStatus::kUndetermined;
-    out.warnings.push_back(fmt::format(
-        "beacon {} changed, and this visit determines its place to {:.2g} m only, the tolerance is "
-        "{:.2g} m: localizers leave "
-        "it out; hear it from places spread around it",
-        b.name, worst_m, tolerance_m));
+    out.warnings.push_back(
+        fmt::format("beacon {} changed, and this visit determines its position to {:.2g} m only, the "
+                    "tolerance is {:.2g} m: localizers leave it out; record more stops on all sides of it",
+                    b.name, worst_m, tolerance_m));
   }
   write_datum(d);
   return out;

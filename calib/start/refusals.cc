@@ -58,7 +58,7 @@ std::optional<WeakDirection> missing_scale(const Problem& problem) {
 Solution refused(WeakDirection direction) {
   Solution solution;
   solution.status = SolveStatus::kUndetermined;
-  solution.message = fmt::format("the data do not determine {}; nothing is exported. To settle it: {}",
+  solution.message = fmt::format("the data do not determine {}; nothing is exported. To resolve this: {}",
                                  direction.description, direction.remedy);
   solution.undetermined = direction.parameters;
   solution.weak.push_back(std::move(direction));

@@ -60,32 +60,29 @@ class Judge {
       } else {
         ++asked_;
         if (heard[b] == 0) {
-          status = undetermined(b, "it was not heard", "drive where it is heard, or check that it sends",
-                                INFINITY);
+          status =
+              undetermined(b, "it was not heard", "drive within its range, or check that it sends", INFINITY);
         } else if (!estimate_.beacon_usable[b]) {
           status = undetermined(b, "too few arrivals agree on a place for it",
-                                "hear it from more places, or give its approximate position", INFINITY);
+                                "record it from more positions, or give its approximate position", INFINITY);
         } else if (sigma_m > limit_m_) {
-          status =
-              undetermined(b,
-                           fmt::format("its position is {}, the tolerance is {}",
-                                       sigma_m < kNothingM ? "known to " + length_in_words(sigma_m) + " only"
-                                                           : "hardly known at all",
-                                       length_in_words(limit_m_)),
-                           "hear it from places spread around it in all directions, or tape its "
-                           "distance to a control point",
-                           sigma_m);
+          status = undetermined(
+              b,
+              fmt::format("its position is {}, the tolerance is {}",
+                          sigma_m < kNothingM ? "known to " + length_in_words(sigma_m) + " only"
+                                              : "hardly known at all",
+                          length_in_words(limit_m_)),
+              "record more stops on all sides of it, or tape its distance to a control point", sigma_m);
         } else if (sigma_of(C_, delay) > limit_m_ && is_felt(delay)) {
           status = undetermined(b,
                                 fmt::format("its delay is known to {} of range only, the tolerance is {}",
                                             length_in_words(sigma_of(C_, delay)), length_in_words(limit_m_)),
-                                "hear it from near and from far, or measure its delay at a known distance",
+                                "record it from near and from far, or measure its delay at a known distance",
                                 sigma_of(C_, delay));
         } else if (estimate_.beacon_mirrored[b]) {
           status = undetermined(b, "a mirror image explains the arrivals as well",
-                                "say more closely where it is (its height, or its side of the line driven), "
-                                "or hear it from beside that "
-                                "line",
+                                "give its position more accurately (its height, or its side of the line "
+                                "driven), or record stops off that line",
                                 sigma_m);
         }
       }
@@ -115,7 +112,7 @@ class Judge {
              {name_of(common_delay)},
              sigma_m,
              sigma_m,
-             "hear the beacons from near and from far, or measure the delay at a known distance",
+             "record the beacons from near and from far, or measure the delay at a known distance",
              true},
             Eigen::VectorXd::Unit(layout_.size(), common_delay));
     for (std::size_t r = 0; r < layout_.receiver.size(); ++r) receiver(r);
@@ -134,7 +131,7 @@ class Judge {
       if (!w.lone_beacon) what.push_back(w.description);
       if (std::ranges::find(remedies, w.remedy) == remedies.end()) remedies.push_back(w.remedy);
     }
-    solution_.message = fmt::format("the data do not determine {}; nothing is exported. To settle it: {}",
+    solution_.message = fmt::format("the data do not determine {}; nothing is exported. To resolve this: {}",
                                     fmt::join(what, "; "), fmt::join(remedies, "; "));
   }
 

@@ -37,7 +37,7 @@ void add_weak(const ReportInput& input, std::vector<std::string>& steps) {
         at->second.push_back(weak.description);
     }
     for (const auto& [remedy, settles] : by_remedy)
-      steps.push_back(as_sentence(fmt::format("To settle {}: {}", names(settles), remedy)));
+      steps.push_back(as_sentence(fmt::format("To determine {}: {}", names(settles), remedy)));
   }
 }
 

@@ -101,7 +101,7 @@ std::optional<Failure> failure_of(const Calibration& calibration) {
     for (const auto& weak : s.weak) {
       // The message of the solver may already include the remedy.
       if (!weak.blocking || weak.remedy.empty() || message.find(weak.remedy) != std::string::npos) continue;
-      advice += (advice.empty() ? "settled by: " : "; ") + weak.remedy;
+      advice += (advice.empty() ? "remedy: " : "; ") + weak.remedy;
     }
     return Failure{"undetermined", "undetermined", kUndetermined, message, advice};
   }

@@ -216,7 +216,7 @@ std::string lone_beacons_text(const calib::Solution& s) {
         names.push_back(w->parameters.front().substr(std::string_view("beacon/").size()));
       who = fmt::format("beacons {}", fmt::join(names, ", "));
     }
-    text += named_line("weak", fmt::format("{}; settled by: {}", who, remedy));
+    text += named_line("weak", fmt::format("{}; remedy: {}", who, remedy));
   }
   return text;
 }
@@ -246,7 +246,7 @@ std::string forecast_verdict_text(const calib::Forecast& f) {
                                      ? fmt::format(": up to {} at the robot", length_text(w.consequence_m))
                                      : "";
     text += named_line(w.blocking ? "undetermined" : "weak",
-                       fmt::format("{}{}; settled by: {}", w.description, at_robot, w.remedy));
+                       fmt::format("{}{}; remedy: {}", w.description, at_robot, w.remedy));
   }
   return text + lone_beacons_text(s);
 }

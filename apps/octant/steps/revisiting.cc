@@ -173,7 +173,7 @@ std::optional<Failure> failure_of(const calib::Revisit& revisit) {
     case calib::SolveStatus::kUndetermined:
       return Failure{"undetermined", "undetermined", kUndetermined,
                      revisit.message.empty() ? "the visit does not determine what changed" : revisit.message,
-                     revisit.remedy.empty() ? "" : "settled by: " + revisit.remedy};
+                     revisit.remedy.empty() ? "" : "remedy: " + revisit.remedy};
     default:
       return Failure{"not_converged", "not_converged", kNotConverged,
                      revisit.message.empty() ? "the adjustment did not converge" : revisit.message,

@@ -317,7 +317,7 @@ std::string calibration_text(const Calibration& calibration) {
                                                 length_text(weak.consequence_m))
                                   : "";
     line("weak", fmt::format("{}{}{}", weak.description, known,
-                             weak.remedy.empty() ? "" : "; settled by: " + weak.remedy));
+                             weak.remedy.empty() ? "" : "; remedy: " + weak.remedy));
   }
   return text + reliability_text(calibration);
 }

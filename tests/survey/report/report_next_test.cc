@@ -44,7 +44,7 @@ TEST(ReportNext, ContradictionsComeBeforeAllElse) {
   EXPECT_THAT(next_steps(input), ElementsAre("Measure B1 again.", HasSubstr("Then calibrate again")));
   // Without a remedy they take no other step's place.
   input.plan.deployment.contradictions = {contradiction("")};
-  EXPECT_THAT(next_steps(input), ElementsAre("To settle the scale: tape a distance."));
+  EXPECT_THAT(next_steps(input), ElementsAre("To determine the scale: tape a distance."));
 }
 
 TEST(ReportNext, OneRemedyForSeveralIsOneStep) {
@@ -54,8 +54,8 @@ TEST(ReportNext, OneRemedyForSeveralIsOneStep) {
                 {"the height", "tape a distance", 0.0, true},
                 {"the scale", "tape a distance", 0.0, true},
                 {"the rest", "", 0.0, true}};
-  EXPECT_THAT(next_steps(input), ElementsAre("To settle the scale, the height: tape a distance.",
-                                             "To settle the offset: warm up."));
+  EXPECT_THAT(next_steps(input), ElementsAre("To determine the scale, the height: tape a distance.",
+                                             "To determine the offset: warm up."));
 }
 
 TEST(ReportNext, OfManyNamesSomeAreTold) {

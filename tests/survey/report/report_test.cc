@@ -96,7 +96,7 @@ TEST(Report, WhatOneMeasurementSettlesIsOneStep) {
   input.plan.deployment.beacons[1].status = BeaconStatus::kUndetermined;
   const std::vector<std::string> steps = next_steps(input);
   ASSERT_FALSE(steps.empty());
-  EXPECT_EQ(steps[0], "To settle beacon B1 (not heard), beacon B2 (not heard): drive where it is heard.");
+  EXPECT_EQ(steps[0], "To determine beacon B1 (not heard), beacon B2 (not heard): drive where it is heard.");
   for (const std::string& step : steps) EXPECT_THAT(step, Not(HasSubstr("Hear B1"))) << "it was told";
 }
 
@@ -204,15 +204,15 @@ TEST(Report, VerdictFollowsTheGates) {
   input.message = "the scale is free";
   EXPECT_EQ(verdict(input).grade, Grade::kRefused);
   EXPECT_EQ(verdict(input).sentence, "Nothing was exported: the scale is free.");
-  input.message = "the scale is free; nothing is exported. To settle it: tape.";
-  EXPECT_EQ(verdict(input).sentence, "The scale is free; nothing is exported. To settle it: tape.");
+  input.message = "the scale is free; nothing is exported. To resolve this: tape.";
+  EXPECT_EQ(verdict(input).sentence, "The scale is free; nothing is exported. To resolve this: tape.");
 }
 
 TEST(Report, NextStepsBeginWithWhatBlocks) {
   ReportInput input = full_report();
   input.changes.reset();
   input.weak = {{"the offset", "warm up", 0.001, false}, {"the scale", "tape a distance", 0.5, true}};
-  EXPECT_EQ(next_steps(input).front(), "To settle the scale: tape a distance.");
+  EXPECT_EQ(next_steps(input).front(), "To determine the scale: tape a distance.");
   input.weak.clear();
   input.plan.deployment.tolerance.beacon_m = 0.01;
   EXPECT_THAT(next_steps(input), ::testing::ElementsAre(HasSubstr("Nothing needs to be measured")));
