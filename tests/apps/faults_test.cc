@@ -151,7 +151,8 @@ TEST_F(Faults, AClockThatRunsBackwardsIsNoMatter) {
 }
 
 TEST_F(Faults, ALimitOfMemoryIsSaid) {
-  // From what the program's libraries need to what a calibration of this size needs: some refusals, no crash.
+  // Memory limits from the need of the program's libraries to that of a calibration of this size: some
+  // refusals, no crash.
   make(hall_scenario("epochs: 150", "epochs: 3000"));
   int refused = 0;
   for (rlim_t mb = 41; mb <= 131; mb += 3) {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// The guide as somebody reads it who types what it says: every command, and what it prints.
+// The guide as followed by a reader: every command, and its output.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -50,8 +50,7 @@ std::vector<std::string> words_of(const std::string& line) {
   return words;
 }
 
-/// Words alike; numbers within the last digits that another processor may print otherwise, and times of no
-/// matter.
+/// Equal words; numbers within the last digits that may differ between processors; times are ignored.
 bool alike(const std::string& said, const std::string& printed) {
   const auto a = words_of(said), b = words_of(printed);
   if (a.size() != b.size()) return false;
@@ -90,9 +89,8 @@ testing::AssertionResult prints(const std::string& said, const std::string& prin
   return testing::AssertionSuccess();
 }
 
-/// The folder of the sources as a newcomer has it, its build done: what would install or compile writes down
-/// what it was asked for. Packages and build themselves are what tests/run.sh begins with, by the same list
-/// and preset.
+/// The folder of the sources for a new user, after the build: commands that would install or compile record
+/// their arguments. Packages and the build itself are tested by tests/run.sh, with the same list and preset.
 class Checkout {
  public:
   Checkout() {
@@ -109,7 +107,7 @@ class Checkout {
     }
   }
 
-  /// Runs a block of commands as a shell does; what it prints is in `out`, what it says in `err`.
+  /// Runs a block of commands in a shell; `out` has its standard output, `err` its standard error.
   int run(const std::string& commands) {
     spit(box_ / "block.sh", commands);
     const std::string line = "cd '" + box_.string() + "' && PATH='" + (box_ / "shims").string() + "':'" +

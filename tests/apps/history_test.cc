@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// octant history as a process: what it says, writers side by side, writers that are killed.
+// octant history as a process: output, simultaneous writers, killed writers.
 #include <chrono>
 #include <thread>
 

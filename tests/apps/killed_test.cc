@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Paths under a folder, and what stands there.
+/// Paths under a folder, and their content.
 using Tree = std::map<std::string, std::string>;
 
 Tree tree_of(const fs::path& folder) {

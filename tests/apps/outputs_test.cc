@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// No command writes an output over an input or another output; and what was said badly once.
+// No command writes an output over an input or another output; and messages that were once unclear.
 #include <algorithm>
 #include <filesystem>
 
@@ -17,7 +17,7 @@ using ::testing::Not;
 
 class Outputs : public HallFolder {
  protected:
-  /// The command ends with exit 2, and a file is what it was.
+  /// The command ends with exit 2, and a file is unchanged.
   void expect_kept(const std::vector<std::string>& words, const std::string& file) {
     const std::string before = slurp(file);
     const Outcome outcome = octant(words);

@@ -84,7 +84,7 @@ class Overwriting : public HallFolder {
     const Outcome outcome = octant(words);
     std::string line;
     for (const std::string& word : words) line += word + " ";
-    // Keys are never replaced, whatever else they are named.
+    // Keys are never replaced, under any name.
     EXPECT_EQ(outcome.exit, words[1] == "--new-key" ? 3 : 2) << line << outcome.err;
     EXPECT_EQ(slurp(input), before) << line;
   }
@@ -113,7 +113,7 @@ TEST_F(Overwriting, NorThroughFoldersAndLists) {
     spit(box / "list.yaml", by);
     expect_refused({"batch", box / "list.yaml"}, "", box / input);
   }
-  // Folders that become what their names say.
+  // Existing output folders that contain links to the inputs.
   fs::create_directory(box / "kit");
   fs::create_hard_link(box / "kit.csv", box / "kit/tof.csv");
   expect_refused({"convert", box / "kit.csv", "--columns", "time=t,beacon=b,distance=d", "-o", "OUT"},

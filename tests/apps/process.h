@@ -38,7 +38,7 @@ struct RunOptions {
   std::vector<std::string> environment;                 ///< KEY=value, in addition to the tests' own
   std::string folder;                                   ///< to run in
   bool on_terminal = false;                             ///< standard error is a terminal
-  int interrupt_signal = 0;                             ///< sent as soon as standard error says something
+  int interrupt_signal = 0;                             ///< sent after the first output on standard error
   std::string out_file;                                 ///< standard output goes there
   std::vector<std::pair<int, std::uint64_t>> limits{};  ///< limits of its resources: RLIMIT_AS, bytes
 };

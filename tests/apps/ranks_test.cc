@@ -26,7 +26,7 @@ struct Shell {
 Shell mpirun(int ranks, const std::string& words, const TemporaryFolder& folder,
              const std::string& before = "") {
   const std::string out = folder / "out", err = folder / "err";
-  // OpenMPI itself keeps what it allocates, which the address sanitizer would call leaks of ours.
+  // OpenMPI does not release its memory, which the address sanitizer would report as leaks.
   const std::string command = before +
                               " ASAN_OPTIONS=detect_leaks=0 OMPI_ALLOW_RUN_AS_ROOT=1 "
                               "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 mpirun --oversubscribe -n " +

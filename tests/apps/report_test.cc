@@ -33,7 +33,7 @@ TEST_F(Report, AllFormsFromOneCalibration) {
   EXPECT_LT(page.size(), 500'000u);
   EXPECT_THAT(page, Not(HasSubstr("<script")));
   EXPECT_THAT(slurp(out("r.md")), HasSubstr("\n## Where this comes from\n"));
-  // The object says the same.
+  // The JSON object agrees.
   const auto verdict = done.json()["verdict"];
   EXPECT_EQ(verdict["grade"], "Good");
   EXPECT_THAT(page, HasSubstr(verdict["sentence"].get<std::string>()));

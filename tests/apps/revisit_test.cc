@@ -186,7 +186,7 @@ TEST_F(SecondVisit, ADeploymentOfAnotherSiteIsAskedAfter) {
   EXPECT_THAT(none.err, HasSubstr("no beacon in common with"));
 }
 
-/// Killed at any moment: the old deployment is as it was, the new one whole or not there.
+/// Killed at any time: the old deployment is unchanged, the new one complete or absent.
 class KilledRecalibrations : public SecondVisit {
  protected:
   void expect_whole_files_after(int kills) {

@@ -120,7 +120,7 @@ TEST_F(Road, CreatedHonoursSourceDateEpoch) {
 }
 
 TEST_F(Road, NobodyButVerifyOpensTheTruth) {
-  // A folder in place of the file: whoever opens it fails.
+  // A folder instead of the file, which cannot be opened.
   for (const char* run : {"run", "heldout"}) {
     std::filesystem::remove(hall(std::string(run) + "/truth.tum"));
     std::filesystem::create_directories(hall(std::string(run) + "/truth.tum"));
@@ -280,7 +280,7 @@ TEST_F(Road, ProgressAsJsonLines) {
   ASSERT_EQ(done.exit, 0) << done.err;
   const std::string first = done.err.substr(0, done.err.find('\n'));
   EXPECT_TRUE(nlohmann::json::parse(first, nullptr, false).contains("stage")) << first;
-  // Each stage of the adjustment ends with the step that it came to and what was left then.
+  // Each stage of the adjustment ends with its last step and the remaining cost.
   int most = 0;
   std::istringstream lines(done.err);
   for (std::string line; std::getline(lines, line);) {

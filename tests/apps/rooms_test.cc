@@ -96,7 +96,7 @@ TEST(Rooms, EverySourceNamesItsLicence) {
   }
 }
 
-/// As apps/package/install_headers.cmake: what it leaves behind is private.
+/// Like apps/package/install_headers.cmake: headers that it does not install are private.
 bool is_private(const std::string& header) {
   return header.find("-inl.h") != std::string::npos ||
          slurp(std::string(OCTANT_SOURCE_DIR) + "/" + header).find("Private to io") != std::string::npos;

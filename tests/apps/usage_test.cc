@@ -91,7 +91,7 @@ TEST(Usage, WrongWordsAreExit2) {
   }
 }
 
-/// Ranges let what is no number pass, and loops until it is reached do not end.
+/// Range checks would accept NaN, and loops up to infinity would not end.
 TEST(Usage, WhatIsNoNumberIsNone) {
   const std::string aisles = std::string(OCTANT_SOURCE_DIR) + "/datasets/aisles/site.yaml";
   for (const std::vector<std::string>& words :

@@ -16,7 +16,7 @@
 namespace octant::test {
 namespace {
 
-/// Words that say what they mean, and names of axes.
+/// Terms that need no explanation, and names of axes.
 const std::set<std::string> kPlain = {"",
                                       "x",
                                       "y",
@@ -109,7 +109,7 @@ TEST_F(ExplainedWords, OfTheTerminalAreExplained) {
       {"check", hall("site.yaml"), hall("run")},
       {"verify", out("d.json"), hall("heldout")},
       {"survey", out("d.json")}};
-  // A name in 17 columns, then what it says; or the heading of a table, its columns two blanks apart.
+  // A name in 17 columns, then its value; or the heading of a table, its columns two blanks apart.
   const std::regex named("^([A-Za-z][A-Za-z' _-]{0,15}) {2,}[^ ].*"), blanks(" {2,}");
   for (const auto& words : commands) {
     const Outcome outcome = octant(words);

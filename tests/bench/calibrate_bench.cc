@@ -67,8 +67,8 @@ BENCHMARK_CAPTURE(solve, attenuation, "attenuation")->Arg(1000)->Unit(benchmark:
 BENCHMARK_CAPTURE(solve, drive, "drive")->Arg(120)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(solve, motion_prior, "motion_prior")->Arg(120)->Unit(benchmark::kMillisecond);
 
-/// One Ceres residual an arrival, automatic derivatives, from the tiles' optimum: what is left is its price
-/// of an iteration.
+/// One Ceres residual for each arrival, automatic derivatives, started at the tiles' optimum: only its cost
+/// for each iteration remains.
 void per_arrival_ceres(benchmark::State& state) {
   const calib::Problem& problem = problem_for("stops", static_cast<int>(state.range(0)));
   const calib::Solution solution = calib::solve(problem);

@@ -35,7 +35,7 @@ std::optional<std::string> output_of(const std::string& command) {
   return pclose(pipe) == 0 ? std::optional(out) : std::nullopt;
 }
 
-/// Runs one program, and adds what it took.
+/// Runs one program, and adds its times.
 bool run(const std::string& program, const std::vector<std::string>& options, Times& times) {
   std::string command = quoted(program);
   for (const std::string& option : options) command += " " + quoted(option);

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// A 40-minute drive with odometry at 20 Hz, adjusted by plain squares from the same start, all until the cost
-// changes by less than a part in 10^6: `calibrate`'s adjustment; what one would write for this problem alone,
-// block-tridiagonal Gauss-Newton with a border; and Ceres (drive_ceres_bench.cc). `solve` is the whole
+// A 40-minute drive with odometry at 20 Hz, adjusted by least squares from one start, until the cost changes
+// by less than a part in 10^6. Compares `calibrate`'s adjustment, a special solver for this problem
+// (block-tridiagonal Gauss-Newton with a border) and Ceres (drive_ceres_bench.cc). `solve` is the whole
 // calibration.
 #include <Eigen/Cholesky>
 

@@ -53,7 +53,7 @@ struct Fault {
   }
 };
 
-/// The hall as it is, and as a deployment says it is.
+/// The true hall, and the hall in a deployment.
 class Hall {
  public:
   explicit Hall(std::mt19937_64& random) : random_(random) {
@@ -206,7 +206,7 @@ Tally least_squares(long epochs, std::mt19937_64& random, bool every_fix) {
   return tally;
 }
 
-/// Moves the pose; what odometry says of that.
+/// Moves the pose, and returns the odometry.
 OdometryStep drive(Pose& T, double time_s, double d, double turn, const OdometryAccuracy& accuracy,
                    std::mt19937_64& random) {
   const double sxy =
@@ -293,7 +293,7 @@ int main(int argc, char** argv) {
     tracker(epochs, random).print(what, octant::kProtectionRisk);
   } else {
     const bool every_fix = std::strcmp(what, "every_fix") == 0;
-    // With a fault for certain what is left is the risk of the fix without that beacon.
+    // With a certain fault, the remaining risk is that of the fix without this beacon.
     const double risk =
         every_fix ? std::exp(-octant::kFaultySigmas * octant::kFaultySigmas / 2) : octant::kProtectionRisk;
     least_squares(epochs, random, every_fix).print(what, risk);

@@ -42,8 +42,8 @@ std::string long_log() {
   return text;
 }
 
-/// The folder OCTANT_BENCH_RUN, made if it is not there, for whoever wants to read the same file; otherwise
-/// one that goes with the program.
+/// The folder OCTANT_BENCH_RUN, created if it is missing, for readers of the same file; otherwise a temporary
+/// one.
 const std::string& run_folder() {
   struct Folder {
     std::string path;

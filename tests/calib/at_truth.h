@@ -11,7 +11,7 @@
 
 namespace octant::test {
 
-/// A simulated world as a calibration sees it, its states where the vehicle truly was.
+/// A simulated world as a calibration problem, with its states at the true poses.
 struct AtTruth {
   World world;
   calib::Problem problem;

@@ -74,7 +74,7 @@ TEST(Calibrator, AsksALogForItsStepsInTurn) {
     WatchedLog log(problem, options, monitor);
     const calib::Solution solution = must(calib::solve_log(log, options, monitor));
     ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
-    // Once before the inliers are known where it is grossly off, then as often as their squares say so.
+    // Once before the inliers are known if it is far off, then as often as their squares require.
     Asked steps = {"sample", "place"};
     if (stated == 0.2) steps.emplace_back("scale");
     steps.emplace_back("adjust");

@@ -357,7 +357,7 @@ TEST(Suspicions, ClockJumpBetweenStopsIsFound) {
     const auto found = calib::suspicions(calib::forecast(problem_of(world)), health);
     ASSERT_EQ(health[0].clock_steps.size(), 1U) << jump_s;
     EXPECT_NEAR(health[0].clock_steps[0].time_s, first_after_s, 5.1) << "to a stop";
-    // Delays and places of the beacons take a part of it, as a third of the stops have it.
+    // Delays and positions of the beacons absorb a part of it, as in a third of the stops.
     EXPECT_NEAR(health[0].clock_steps[0].step_s, jump_s, 0.25 * std::abs(jump_s));
     EXPECT_EQ(texts(found, "clock_step").size(), 1U);
   }

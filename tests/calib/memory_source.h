@@ -10,7 +10,7 @@
 
 namespace octant::test {
 
-/// Recordings in memory as a source that gives them in small blocks, and counts what is read.
+/// Recordings in memory as a source of small blocks that counts the reads.
 class MemorySource : public ArrivalSource {
  public:
   MemorySource(std::vector<MeasurementLog> logs, std::size_t block) : logs_(std::move(logs)), block_(block) {

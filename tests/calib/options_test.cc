@@ -83,8 +83,8 @@ Scenario turned_array() {
   return s;
 }
 
-// The turn of the array against the vehicle needs something that knows the vehicle's heading: measured poses.
-// One beacon of the hall is new: its data sheet says another delay, and how well that is known.
+// The rotation of the array in the vehicle needs a reference for the vehicle's heading: measured poses. One
+// beacon of the hall is new: its data sheet has another delay and its accuracy.
 TEST(BeaconDelay, ItsOwnPriorActsInPlaceOfTimings) {
   Scenario s = hall_scenario();
   s.path.epochs = 20;
@@ -100,7 +100,7 @@ TEST(BeaconDelay, ItsOwnPriorActsInPlaceOfTimings) {
   EXPECT_GT(sigma_of(own, world.site, "beacon/B5/delay_s"), 5e-7) << "of the others timing's holds";
   EXPECT_TRUE(own.contradictions.empty());
 
-  // By timing's prior alone, 1e-4 +- 2e-5, the same beacon contradicts what is stated.
+  // With timing's prior only, 1e-4 +- 2e-5, this beacon contradicts the site file.
   world.site.beacons[4].delay_s = world.site.beacons[4].delay_sigma_s = std::nullopt;
   const calib::Solution by_timing = solution_of(world);
   ASSERT_FALSE(by_timing.contradictions.empty());

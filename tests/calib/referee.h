@@ -22,10 +22,10 @@ struct RefereeResult {
   Eigen::MatrixXd covariance;
 };
 
-/// The plain way: every arrival, odometry step, measured pose and prior a residual block with automatic
-/// derivatives, all states and parameters at once in Ceres, covariance by ceres::Covariance (a rank-revealing
-/// QR of the whole Jacobian). Planar motion. Starts from a solution moved off by some sigmas and uses the
-/// arrivals that the solution uses.
+/// A plain reference: every arrival, odometry step, measured pose and prior is a residual block with
+/// automatic derivatives, with all states and parameters at once in Ceres, and covariance by
+/// ceres::Covariance (a rank-revealing QR of the whole Jacobian). Planar motion. Starts from a solution
+/// displaced by some sigmas and uses the arrivals that the solution uses.
 [[nodiscard]] RefereeResult referee(const calib::Problem& problem, const calib::Solution& solution);
 
 }  // namespace octant::test

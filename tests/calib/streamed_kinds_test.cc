@@ -60,7 +60,7 @@ TEST(StreamedLog, RanksShareStopsAndDrives) {
   }
 }
 
-// Each moment by itself, at the pose that was measured then; some arrivals fall into a gap of the poses.
+// Each time separately, at its measured pose; some arrivals are in a gap of the poses.
 TEST(StreamedLog, MomentsAtMeasuredPosesMayBeStreamed) {
   Scenario s = drive_scenario(300.0);
   s.heldout_path.duration_s = 5.0;
@@ -179,7 +179,7 @@ TEST(StreamedLog, AVehicleWithoutOdometryMayBeBesideADrive) {
   expect_same_drive(world.site, {world.run});
 }
 
-// Stops, a drive, moments at measured poses and stops tied by odometry: what each says adds up.
+// Stops, a drive, times at measured poses and stops linked by odometry: their results add up.
 TEST(StreamedLog, AllKindsOfRunsMayBeTogether) {
   Scenario s = drive_scenario(120.0);
   s.heldout_path = hall_scenario().path;

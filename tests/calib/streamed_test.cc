@@ -52,8 +52,8 @@ struct Agreement {
   double shift_m = 1e-7;  ///< of beacons
 };
 
-/// All that is said of a log, streamed or not. Positions: both stop where the cost changes by 1e-12 of
-/// itself, that is a thousandth of a sigma.
+/// Compares all results for a log, streamed or not. Positions: both end when the cost changes by a relative
+/// 1e-12, which is a thousandth of a sigma.
 void expect_same(const calib::Problem& problem, const calib::Solution& whole,
                  const calib::StreamedCalibration& s, const Agreement& to = {}) {
   const calib::Solution& part = s.solution;
@@ -120,7 +120,7 @@ TEST(Streamed, SaysWhatTheWholeSaysOfSomeEpochs) {
   expect_same(world, world.site);
 }
 
-// The noise as found: grossly off, and off by what only the chi-square test sees.
+// The estimated noise: with a large error, and with one that only the chi-square test detects.
 TEST(Streamed, FindsTheNoiseOfTheWhole) {
   const World world = must(simulate(long_hall(4100, 0.01), 5));
   for (const double factor : {0.3, 1.1}) {

@@ -8,7 +8,7 @@
 
 namespace octant::fuzz {
 
-/// Choices read off what a fuzzer gives, a byte or two each; when it has no more, always the first one.
+/// Choices from the input of a fuzzer, a byte or two each; after its end, always the first one.
 class Bytes {
  public:
   explicit Bytes(std::string_view input) : rest_(input) {}

@@ -18,7 +18,7 @@ inline void must(bool holds, const char* what) {
   std::abort();
 }
 
-/// An error says something, of lines that there are.
+/// An error has a message, and names existing lines.
 template <class T>
 void must_explain(const Result<T>& result) {
   if (result) return;

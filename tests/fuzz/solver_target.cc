@@ -43,7 +43,7 @@ bool all_finite(const std::vector<Eigen::Vector3d>& values) {
   return std::all_of(values.begin(), values.end(), [](const Eigen::Vector3d& v) { return v.allFinite(); });
 }
 
-/// Numbers, whatever the outcome.
+/// Finite numbers, for any outcome.
 void must_be_numbers(const Solution& s) {
   const SharedState& x = s.state;
   must(all_finite(x.beacon_p_map_m) && all_finite(x.receiver_p_vehicle_m), "positions are finite");

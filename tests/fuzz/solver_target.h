@@ -6,8 +6,8 @@
 
 namespace octant::fuzz {
 
-/// Calibrates a small world of any kind (small_world.h). Whatever comes of it, no number is a NaN and status
-/// and numbers say the same; what converges is a deployment that reads back and localizes.
+/// Calibrates a small world of any kind (small_world.h). For any outcome, no number is NaN and status and
+/// numbers agree; a solution that converges is a deployment that reads back and localizes.
 void take_solver(std::string_view input);
 
 }  // namespace octant::fuzz

@@ -138,7 +138,7 @@ AllArrivals arrivals_of(const std::shared_ptr<const io::MappedFile>& map, const 
 
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-/// The fast way through tof.csv, in pieces and by threads, comes to what the general way comes to.
+/// The fast reader of tof.csv, in pieces and by threads, gives the result of the general reader.
 void take_tof(std::string_view input) {
   auto map = io::MappedFile::open(written("tof.csv", input));
   must(map.has_value(), "the file was just written");
@@ -239,7 +239,7 @@ void take_bag(const std::string& path) {
 }
 void take_mcap(std::string_view input) { take_bag(written("a.mcap", input)); }
 void take_bag_database(std::string_view input) { take_bag(written("a.db3", input)); }
-/// A message as each of the types, without the checksums that stand before it in a file.
+/// A message as each of the types, without the preceding checksums of a file.
 void take_cdr(std::string_view input) {
   (void)io::range_of(input);
   for (const std::string_view type : {io::kRosPose, io::kRosOdometry, io::kRosTransforms})
@@ -278,7 +278,8 @@ void take_fixes(std::string_view input) {
 
 void take_pulses(std::string_view input) { must_explain(io::read_pulse_log(written("pulses.csv", input))); }
 
-/// The first line is what --columns says, the others are the table: what it becomes is read as any tof.csv.
+/// The first line is the argument of --columns, the others are the table; its conversion is read like any
+/// tof.csv.
 void take_table(std::string_view input) {
   const std::size_t end = std::min(input.find('\n'), input.size());
   const auto mapping = io::mapping_from_words(input.substr(0, end));

@@ -8,7 +8,7 @@
 
 namespace octant::fuzz {
 
-/// A reader, and what must hold of whatever it accepts; aborts where that does not hold.
+/// A reader, and a check of everything that it accepts, which aborts on failure.
 struct Target {
   std::string name;  ///< also of its folder in corpus/
   void (*take)(std::string_view input);

@@ -20,7 +20,7 @@
 
 namespace octant::io::test {
 
-/// A folder of its own that goes with the test.
+/// A temporary folder, removed after the test.
 class TemporaryFolder {
  public:
   TemporaryFolder() {

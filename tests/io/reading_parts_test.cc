@@ -83,7 +83,7 @@ TEST(NameIndex, FindsEachNameAndNoOther) {
                 (found == names.end() ? -1 : static_cast<std::int32_t>(found - names.begin())));
     }
   }));
-  // Alike in their ends and their length.
+  // Equal ends and equal length.
   const std::vector<std::string_view> alike = {"the first eight ... the last eight",
                                                "the first eight --- the last eight"};
   EXPECT_EQ(NameIndex(alike).find(alike[1]), 1);

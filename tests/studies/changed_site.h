@@ -20,10 +20,10 @@ enum class Event {
   kTwoMoved,      ///< each by 10 to 100 mm
   kThreeMoved,    ///< each by 10 to 100 mm
   kControlPoint,  ///< one of four is knocked by 20 to 200 mm
-  kWarmer,        ///< by 8 degC, and the thermometer says so
+  kWarmer,        ///< by 8 degC, as the thermometer shows
   kDelay,         ///< delay of a beacon, +40 us
   kReceiver,      ///< bent by 20 to 50 mm
-  kExchanged      ///< two approximate beacons hang in each other's places
+  kExchanged      ///< two approximate beacons are at each other's positions
 };
 inline constexpr std::array<Event, 9> kEvents = {Event::kNothing,    Event::kOneMoved,     Event::kTwoMoved,
                                                  Event::kThreeMoved, Event::kControlPoint, Event::kWarmer,
@@ -34,7 +34,7 @@ inline constexpr std::array<Event, 9> kEvents = {Event::kNothing,    Event::kOne
 struct TrueChange {
   ChangeKind kind = ChangeKind::kBeaconMoved;
   std::size_t owner = 0;  ///< beacon or receiver
-  std::string subject;    ///< "B3"; "robot/r3"; of exchanged beacons each by itself
+  std::string subject;    ///< "B3"; "robot/r3"; each of two exchanged beacons separately
   Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();
   double delay_s = 0.0;
 };

@@ -88,7 +88,7 @@ TEST(Changes, ADelayIsAPartOfTheTest) {
   EXPECT_FALSE(changes_between(before, now).beacons[1].delay_p.has_value());
 }
 
-/// A control point that was knocked: its delay gives way, and the others with it. They are not accused.
+/// A control point that moved: its delay adapts, and the others with it. They are not accused.
 TEST(Changes, ADoubtfulControlPointMayExplainTheShiftsOfOthers) {
   Deployment before = full_report().plan.deployment;
   before.timing.delay_per.beacon = true;

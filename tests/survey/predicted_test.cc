@@ -271,8 +271,8 @@ TEST(Predicted, WithoutAJointCovarianceEachBeaconsOwnCounts) {
   EXPECT_NEAR(a.yy_m2, b.yy_m2, 1e-9 * b.yy_m2);
 }
 
-// One receiver, beacons off by a millimetre each way: sum over beacons of D^-1 h w (u'u mm^2) w h' D^-1, by
-// dense matrices.
+// One receiver, beacon errors of a millimetre in each direction: sum over beacons of D^-1 h w (u'u mm^2) w h'
+// D^-1, by dense matrices.
 TEST(Predicted, CalibrationsPartWeighsRangesByTheirNoise) {
   Deployment truth = hall_truth();
   truth.receivers.resize(1);
@@ -299,9 +299,9 @@ TEST(Predicted, CalibrationsPartWeighsRangesByTheirNoise) {
   }
 }
 
-// A fix that weighs each range by its own noise is as good as the map says: Gauss and Newton's steps from the
-// true place, for a vehicle with one receiver. One that takes all ranges for equally good, as the localizers
-// do, is not: README.md says by how much.
+// A fix that weights each range by its own noise reaches the accuracy of the map: Gauss-Newton steps from the
+// true pose, for a vehicle with one receiver. A fix with equal weights, as in the localizers, does not:
+// README.md has the difference.
 TEST(Predicted, NoiseThatGrowsWithTheRange) {
   for (const Clock clock : {Clock::kSynchronised, Clock::kCycleOffset}) {
     Deployment truth = hall_truth();

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Where an adjustment stops: no later than it has to, and never before what it was asked for is there.
+// End of an adjustment: no later than necessary, and never before the requested accuracy.
 #include "calib/adjust/adjust.h"
 #include "calib/adjust/information.h"
 

@@ -109,7 +109,7 @@ TEST(MarkRejected, TellsLateFromEarlyBeyondTheLimit) {
   EXPECT_EQ(calib::reject_outliers(arrivals.trajectories, arrivals.state, 4.0), 0U) << "all stands as it was";
 }
 
-// Between 0.9 of the limit and the limit each stays what it is, so that marks do not come and go.
+// Between 0.9 of the limit and the limit each mark is kept, so that marks do not alternate.
 TEST(MarkRejected, ReadmitsOnlyWhatIsWellWithin) {
   Arrivals arrivals;
   arrivals.put_off(0, 3.7);
@@ -152,7 +152,7 @@ TEST(MarkRejected, DoesNotDependOnThreads) {
   for (std::size_t i = 0; i < one.trajectories[0].arrivals.size(); ++i) {
     const Rejection mark = one.trajectories[0].arrivals[i].rejection;
     EXPECT_EQ(three.trajectories[0].arrivals[i].rejection, mark);
-    // Echoes of 0.3 ms and more are thirty sigmas late, whatever a gate has said of them.
+    // Echoes of 0.3 ms and more are thirty sigmas late, with or without a mark by a gate.
     const double lateness_s = one.world.run_lateness_s[one.trajectories[0].arrivals[i].arrival];
     if (lateness_s > 0) EXPECT_NE(mark, Rejection::kUsed) << i;
   }

@@ -16,7 +16,7 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-/// Positive definite: stations that see a few of n parameters each, and a little of every one.
+/// Positive definite: stations that observe a few of n parameters each, and a little of every one.
 Sparse network(Eigen::Index n, int stations, Random& draws) {
   std::vector<Eigen::Triplet<double>> triplets;
   for (Eigen::Index i = 0; i < n; ++i) triplets.emplace_back(i, i, 0.1 + draws.uniform(0, 1));

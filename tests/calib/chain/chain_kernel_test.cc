@@ -101,7 +101,8 @@ struct Laid {
   }
 };
 
-/// Largest difference of what is left, in the scale of the whole; only H's lower triangle is meant.
+/// Largest difference of the remaining systems, in the scale of the whole; only the lower triangle of H is
+/// defined.
 double off(Laid& laid, const DenseWindow& w, const Eigen::MatrixXd& schur) {
   const Eigen::MatrixXd D = laid.D_of(w.states, w) - schur.topLeftCorner(w.block, w.block),
                         G = laid.G_of(w.states, w) - schur.topRightCorner(w.block, schur.cols() - w.block);
@@ -145,8 +146,8 @@ TEST(ChainKernel, EndsWithTheLastStateWhereNoneFollows) {
     Laid laid(w);
     constexpr double kFloor = 1e-10;
     calib::eliminate(laid.window, kFloor, kFloor);
-    // A floor of that share of the largest diagonal moves what is left by that share of it, times how badly
-    // the states are conditioned.
+    // A floor of this share of the largest diagonal changes the result by this share, times the condition of
+    // the states.
     EXPECT_LT(off(laid, w, w.schur()), 1e-6) << n;
   }
 }

@@ -244,7 +244,7 @@ TEST_P(OpenChainsOf, JoinToTheWhole) {
   EXPECT_NEAR(here.cost, whole.cost, 1e-9 * whole.cost);
 }
 
-// With the parameters as they are, the steps of the ends lead where the whole chain comes to rest.
+// With unchanged parameters, the steps of the ends lead to the solution of the whole chain.
 TEST_P(OpenChainsOf, EndsStepToWhereTheWholeRests) {
   Kind kind = GetParam();
   kind.others = kind.motion == Motion::kSpatial;  // whose arrivals alone leave states loose

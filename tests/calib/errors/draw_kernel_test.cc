@@ -13,8 +13,8 @@ namespace {
 
 using Matrix = Eigen::MatrixXd;
 
-/// Two chains, of three states of three coordinates and of one of two, seen by random rows of one state or of
-/// two neighbours.
+/// Two chains, of three states with three coordinates and of one with two, observed by random rows of one
+/// state or of two neighbours.
 struct TwoChains {
   std::mt19937_64 random{7};
   Matrix J = Matrix::Zero(60, 11);

@@ -95,7 +95,7 @@ TEST(ErrorModel, TheVarianceOfTheErrorsIsFound) {
               0.6);  // 3 and 1; pairs' own means wander by a fifth in so short a log
 }
 
-/// Draws of simulated errors go by the covariance's root: what is stated must follow it, not its last digit.
+/// Draws of simulated errors use the covariance's root: results must depend on it, but not on its last digit.
 TEST(ErrorModel, StatedSigmasDoNotHangOnRounding) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     World world = hall_with_memory(seed, 3.0, 20.0);

@@ -21,7 +21,7 @@ namespace {
 using calib::ArrivalReliability;
 using calib::Reliability;
 
-/// Arrivals are not left out, however far off: what the tests plant has to stay in.
+/// Arrivals are never rejected, so that the errors of the tests remain.
 calib::SolveOptions keep_all() { return {.rejection_sigmas = 1e3}; }
 
 Scenario short_hall() {
@@ -30,7 +30,7 @@ Scenario short_hall() {
   return s;
 }
 
-/// Beacons known to 5 cm: these tests are of the statistics at the optimum, not of the way to it.
+/// Beacons known to 5 cm: these tests concern the statistics at the optimum, not the iteration.
 Scenario near_hall() {
   Scenario s = short_hall();
   for (SiteBeacon& b : s.site.beacons)

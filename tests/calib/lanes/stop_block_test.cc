@@ -93,7 +93,7 @@ void expect_same(Sides& s, const RobustLoss& loss) {
   ASSERT_FALSE(calib::StopBlock::takes(s.general[0], s.general[0].segments[0]));
   calib::Tile fast = only_tile(s.fast, s.layout), general = only_tile(s.general, s.layout);
   calib::ReducedSystem a, b;
-  // Under a redescending loss states come to rest slowly, beyond the steps of one evaluation.
+  // Under a redescending loss states converge slowly, in more steps than one evaluation has.
   for (calib::Tile* tile : {&fast, &general})
     for (int again = 0; again < 4; ++again) {
       evaluated(*tile, s.state, loss);
@@ -112,7 +112,7 @@ void expect_same(Sides& s, const RobustLoss& loss) {
   // original.
   const double rounding = 1e-13 * b.H.diagonal().maxCoeff();
   for (Eigen::Index i = 0; i < a.H.rows(); ++i) {
-    // A state off by what is left to gain moves the gradient by about the root of that.
+    // An error of a state that corresponds to the remaining gain changes the gradient by about its root.
     EXPECT_NEAR(a.gradient[i], b.gradient[i], 1e-4 * std::sqrt(b.H(i, i) * expected) + rounding) << i;
     for (Eigen::Index j = 0; j < a.H.cols(); ++j)
       EXPECT_NEAR(a.H(i, j), b.H(i, j), 1e-6 * std::sqrt(b.H(i, i) * b.H(j, j)) + rounding)

@@ -91,7 +91,7 @@ TEST(StationInformation, OnlyWhatIsSurelyHeardCounts) {
   model.hearing.range_m = 6.0;
   const Eigen::Vector2d at(6.5, 3.0);
   const calib::StopRows rows = calib::stop_rows(k, at, 0.0, model);
-  // Range less twice the worst coordinate's 0.2 m, at most a tenth: B and C stand within 5.4 m, A and D do
+  // Range minus twice the worst coordinate's 0.2 m, at most a tenth: B and C are within 5.4 m, A and D are
   // not.
   EXPECT_EQ(rows.arrivals, (std::vector<std::size_t>{0, 3, 3, 0}));
   model.hearing.also = [](BeaconId b, ReceiverId, const Pose&) { return b == BeaconId(1); };

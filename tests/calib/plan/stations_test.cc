@@ -123,7 +123,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// The information that a stop is said to bring is that which the adjustment finds in its arrivals.
+/// The predicted information of a stop is that which the adjustment finds in its arrivals.
 void expect_as_adjusted(Scenario s) {
   s.site.noise.tof_sigma_s =
       1e-10;  // states then settle within 1e-7 of where they are; the rows scale with it on both sides
@@ -235,7 +235,7 @@ TEST(Stations, ADeploymentKnowsWhatItsCalibrationKnew) {
   ASSERT_EQ(a.sigma_m.size(), b.sigma_m.size());
   for (std::size_t i = 0; i < a.sigma_m.size(); ++i)
     EXPECT_NEAR(a.sigma_m[i], b.sigma_m[i], 1e-6 * a.mean_m) << i;
-  // And the next stops say the same to both.
+  // And the next stops are equal for both.
   const StationOptions o = options_for(s, 3.0, 2);
   const std::vector<Eigen::Vector3d> stops = {{4, 4, 0.1}, {15, 8, 2.0}};
   EXPECT_NEAR(calib::assess_stations(from_run, stops, o).after.mean_m,
@@ -309,8 +309,7 @@ TEST(Stations, StopsWhenAsked) {
   EXPECT_LT(plan.stations.size(), 5U);
 }
 
-/// Five suggested stops against five random ones, both simulated and calibrated from what people know of the
-/// site.
+/// Five suggested stops compared with five random ones, both simulated and calibrated with realistic priors.
 struct Comparison {
   double suggested_m = 0.0, random_m = 0.0, predicted_m = 0.0;
 };

@@ -41,7 +41,7 @@ TEST(Gates, TheTriangleLeavesOutEchoesAndNothingElse) {
     EXPECT_GT(world.run_lateness_s[a.arrival], 0.0);
   }
   EXPECT_GT(gated, 50U);
-  // In the list of what was left out they keep that reason.
+  // They keep that reason in the list of rejected arrivals.
   const calib::Solution solution = calib::solve(problem, {});
   ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
   std::size_t listed = 0;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Counts by hand; what they say of simulated halls: tests/calib/plan/check_test.cc.
+// Counts by hand; for simulated halls see tests/calib/plan/check_test.cc.
 #include "calib/problem/log_health.h"
 
 #include <algorithm>

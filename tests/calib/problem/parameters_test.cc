@@ -260,7 +260,7 @@ TEST(Parameters, OfAnArrayTurnAndWidenItsReceiversTogether) {
   }
 }
 
-// The first corner may stand where its direction leaps from pi to -pi.
+// The first corner may be where its direction wraps from pi to -pi.
 TEST(Parameters, OfAnArrayStayNearTheirPriorAcrossTheHalfTurn) {
   calib::Problem problem = array_problem(0.0);
   const Eigen::Vector3d corner = problem.site.receivers[0].position_m;

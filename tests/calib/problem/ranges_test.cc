@@ -105,7 +105,7 @@ TEST(RaysTo, PointAtTheBeacon) {
   }
 }
 
-/// Leaves of each stop the bearing to beacon 3 and what `keep` says.
+/// Keeps for each stop the bearing to beacon 3 and those selected by `keep`.
 template <class Keep>
 std::size_t rays_with(Keep&& keep, const std::vector<bool>& known = std::vector<bool>(8, true)) {
   AtTruth at(with_bearings(), 1);

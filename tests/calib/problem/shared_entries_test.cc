@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Every shared parameter that there is, free at once: what a row says of each against differences of its
-// residual, so that one that is left out of a path is seen.
+// All shared parameters, free at once: the derivatives of a row compared with differences of its residual, so
+// that a parameter missing from a path is detected.
 #include "calib/problem/shared_entries.h"
 
 #include <set>

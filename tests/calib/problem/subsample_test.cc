@@ -156,7 +156,7 @@ TEST(ThinnedOdometry, GoesTheSameWayThroughFewerRows) {
   }
 }
 
-/// Variances of the end of a way, of its place [m^2] and heading [rad^2], by what each row says of itself.
+/// Variances of the end of a path, of its position [m^2] and heading [rad^2], from the variances of each row.
 std::pair<double, double> end_variance(const std::vector<OdometryStep>& rows) {
   const OdometryAccuracy accuracy = {.floor_m = 0.0, .floor_rad = 0.0};
   const std::map<double, Pose> way = way_of(rows, 0);

@@ -64,8 +64,8 @@ TEST(Trilaterate, APlaceHeldAltogetherIsHeldAgainstItsRanges) {
   EXPECT_LT(elsewhere.agreeing, 5);
 }
 
-/// One range or two span no space: what they leave open is found from the range (found by fuzzing). One has
-/// two such places, above and below where it was measured.
+/// One or two ranges do not span the space: the remaining directions follow from the range (found by
+/// fuzzing). One range has two such positions, above and below its origin.
 TEST(Trilaterate, OneRangeFindsTheOneCoordinateThatIsOpen) {
   const Eigen::Vector3d beacon(4, -3, 2.5);
   for (const int count : {1, 2}) {

@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-/// A hall without noise in which all is as the site says.
+/// A hall without noise in which everything agrees with the site file.
 Scenario as_stated() {
   Scenario s = without_noise(hall_scenario());
   for (SiteBeacon& b : s.site.beacons) b.sigma_m = {0.0, 0.0, 0.0};

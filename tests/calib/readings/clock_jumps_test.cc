@@ -16,7 +16,7 @@ using calib::ClockStep;
 using calib::LogHalf;
 using ::testing::IsEmpty;
 
-// One half of the two is without the jump: by that half it is as large as it was made, and where it was made.
+// One of the halves is free of the jump: by that half, it has its true size and time.
 TEST(ClockJumps, AreToldByTheHalfWithoutThem) {
   for (const auto& [share, half] : {std::pair{0.3, LogHalf::kLast}, {0.7, LogHalf::kFirst}}) {
     World world = cart(80, 2);

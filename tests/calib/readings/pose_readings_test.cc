@@ -13,8 +13,8 @@
 namespace octant::test {
 namespace {
 
-// Whatever is the other way round in a frame: the distances stay, turns go the other way, and what was read
-// twice is what was written.
+// For any reflection of a frame, distances stay, turns change their sign, and a second reflection restores
+// the original.
 TEST(Reflections, KeepDistancesAndUndoThemselves) {
   Random draws(3);
   std::vector<MeasurementLog> runs(1);

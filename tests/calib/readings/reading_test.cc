@@ -12,7 +12,7 @@ namespace {
 TEST(LikeliestSize, IsFoundToAPartInAHundred) {
   for (const double size : {0.013, -0.031, 0.2, -0.7, 1.9}) {
     int asked = 0;
-    // Ranges off by a speed times what is left of a lag, among noise: the logarithm of their spread.
+    // Range errors of a speed times the remaining lag, with noise: the logarithm of their scatter.
     const auto loss = [size](double tried) { return std::log(std::hypot(0.004, 0.5 * (tried - size))); };
     const auto found = calib::likeliest_size(0.02, 2.0, loss(0.0), [&](double tried) {
       ++asked;

@@ -131,7 +131,7 @@ TEST(Readings, NameTheBeaconsThatAreInFeet) {
   }
 }
 
-// Read in centimetres it is as far from its place as it was, and its place is disregarded as before.
+// In centimetres its distance from its position is unchanged, and its position is still ignored.
 TEST(Readings, NameTheUnitInWhichAPlaceIsRightAndNotOneInWhichItIsDisregarded) {
   std::size_t tried = 0;
   for (std::size_t b = 0; b < cart().site.beacons.size(); ++b) {
@@ -160,7 +160,7 @@ TEST(Explain, EarlyArrivalsBeyondChanceContradictWhateverTheirCauseIs) {
   EXPECT_THAT(found[0].found, HasSubstr("early"));
 }
 
-// Each of the three can be blamed by itself, as it may move to where it agrees with the others.
+// Each of the three can be blamed alone, because it may move to where it agrees with the others.
 TEST(Readings, NameTwoOfThreeControlPointsThatAreExchanged) {
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     World world = three_points(seed);
@@ -210,7 +210,7 @@ TEST(Readings, NameTheUnitOfPositions) {
   }
 }
 
-// The speed may bend to it where its prior is wide: it is not what is wrong.
+// The speed may absorb it if its prior is wide, but is not the cause.
 TEST(Readings, NameTwoWayTimesInPlaceOfASpeedThatBentToThem) {
   World world = must(simulate(hall_scenario(), 5));
   for (Arrival& a : world.run.arrivals) a.tof_s *= 2;

@@ -107,7 +107,7 @@ TEST(ExchangedPoints, AreEveryPairOfAFewControlPoints) {
   EXPECT_TRUE(calib::exchanged_points(site).empty()) << "five are more than a few";
 }
 
-/// Sense of the turn from receiver 0 by 1 to 2, as seen from above; its size is that of the triangle.
+/// Orientation of the triangle of receivers 0, 1, 2, seen from above; its size is twice the triangle's area.
 double turn_of(const Site& site) {
   const auto at = [&](std::size_t i) -> Eigen::Vector2d { return site.receivers[i].position_m.head<2>(); };
   const Eigen::Vector2d u = at(1) - at(0), v = at(2) - at(0);

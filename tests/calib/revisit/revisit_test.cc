@@ -101,7 +101,7 @@ TEST(Revisit, TheSameDelayOfAllBeaconsIsOneChange) {
     EXPECT_NEAR(found.as_left.beacons[b].delay_s, visits.before.beacons[b].delay_s + 50e-6, 2.5e-5);
 }
 
-/// By what was known only some stops have a place.
+/// With the earlier parameters only some stops have a pose.
 TEST(Revisit, InMuchWarmerAirNoArrivalIsPassedOver) {
   const TwoVisits visits = two_visits([](Scenario& s) { s.site.medium.temperature_degC += 18.0; });
   const Revisit found = revisited(visits);
@@ -287,7 +287,7 @@ TEST(Revisit, WhatWasNotHeardIsCarriedOver) {
             0.9 * visits.before.beacons[kFree].covariance_m2.trace());
 }
 
-/// diff of the two files says what recalibrate said.
+/// diff of the two files agrees with recalibrate.
 TEST(Revisit, TheDifferenceOfBothDeploymentsSaysTheSame) {
   const TwoVisits visits = two_visits([](Scenario& s) { move(s, kFree, {0.04, -0.01, 0.0}); });
   const Revisit found = revisited(visits);
@@ -333,7 +333,7 @@ TEST(Revisit, TheLargerErrorModelOfBothVisitsCounts) {
   EXPECT_GT(much, 1.015 * shown);
 }
 
-/// Second visits only add: what neither moved nor drifted is known better than before.
+/// Second visits add information: parameters that neither moved nor drifted are known better than before.
 TEST(Revisit, SigmasOfTheNewDeploymentHold) {
   const int visits = 12;
   double nees = 0.0;

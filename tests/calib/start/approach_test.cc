@@ -43,8 +43,8 @@ double stops_off_m(const World& world, const calib::Approach& a) {
   return std::sqrt(squares / count);
 }
 
-// Beacons off by decimetres, one arrival in ten an echo: what the approach leaves to the final adjustment is
-// centimetres off.
+// Beacons with errors of decimetres, one arrival in ten an echo: after the robust initialisation errors are
+// centimetres.
 TEST(Approach, ComesFromDecimetresToCentimetresThroughEchoes) {
   for (const double echoes : {0.0, 0.1}) {
     Scenario s = hall_scenario();
@@ -66,7 +66,7 @@ TEST(Approach, ComesFromDecimetresToCentimetresThroughEchoes) {
   }
 }
 
-// Two free beacons whose signs were exchanged: found, mended, and said by name.
+// Two free beacons whose signs were exchanged: found, corrected, and reported by name.
 TEST(Approach, ExchangedBeaconsAreMendedAndNamed) {
   Scenario s = hall_scenario();
   World world = must(simulate(s, 4));

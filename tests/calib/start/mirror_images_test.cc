@@ -109,14 +109,14 @@ calib::Solution with_height_stated(double z_m, double stated_m, double& found_m,
 TEST(MirrorImages, ABeaconNearTheReceiversHeightMayBeAboveOrBelow) {
   double found_m = 0.0;
   bool mirrored = false;
-  // The image at 0.0 m is nearer to what is stated, and is on the floor.
+  // The image at 0.0 m is nearer to the given position, and is on the floor.
   static_cast<void>(with_height_stated(0.8, 0.35, found_m, mirrored));
   EXPECT_TRUE(mirrored);
   // The image at -0.4 m is nearer as well, and is under the floor.
   static_cast<void>(with_height_stated(1.2, 0.35, found_m, mirrored));
   EXPECT_FALSE(mirrored);
   EXPECT_NEAR(found_m, 1.2, 0.02);
-  // Stated as it is, the image is ten sigmas away.
+  // With the true position in the site file, the image is ten sigmas away.
   static_cast<void>(with_height_stated(2.4, 2.2, found_m, mirrored));
   EXPECT_FALSE(mirrored);
   EXPECT_NEAR(found_m, 2.4, 0.02);
@@ -214,7 +214,7 @@ TEST(MirrorImages, AWholeSiteIsReflectedInTheLineOfWhatIsKnown) {
   ASSERT_TRUE(calib::reflect_site(problem, image));
   EXPECT_NEAR(image.estimate.state().beacon_p_map_m[4].y(), 0.1 - solution.state.beacon_p_map_m[4].y(), 1e-6);
   EXPECT_NEAR(image.estimate.state().beacon_p_map_m[4].x(), solution.state.beacon_p_map_m[4].x(), 1e-6);
-  // Ranges see no difference, bearings do.
+  // Ranges do not distinguish them, bearings do.
   const calib::ConsensusCost here = calib::consensus_cost_of(problem, found, 4.0);
   const calib::ConsensusCost there = calib::consensus_cost_of(problem, image, 4.0);
   EXPECT_NEAR(there.arrivals, here.arrivals, 1e-3 * here.arrivals);

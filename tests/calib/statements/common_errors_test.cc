@@ -59,7 +59,7 @@ TEST(CommonErrors, AreToldApartAndSized) {
   }
 }
 
-// Its sigmas were a tenth of what the beacons were off by, and the grade was Good.
+// Its sigmas were a tenth of the errors of the beacons, and the grade was Good.
 TEST(CommonErrors, OdometryThatTurnsTooFarIsContradicted) {
   const World world = with_error(must(simulate(drive_scenario(), 6)), {.kind = Kind::kTurns, .size = 0.02});
   const calib::Solution solution = explained_solution(world);

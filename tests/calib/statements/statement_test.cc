@@ -165,8 +165,8 @@ TEST(LayoutWithout, MendedPriorsStay) {
   EXPECT_TRUE(std::isinf(layout.parameters[static_cast<std::size_t>(mended)].prior_sigma));
 }
 
-// Released delays of the beacons come on top of what the site, or the receivers, hold: at their stated values
-// every arrival is predicted as before.
+// Released delays of the beacons are added to those of the site or the receivers: at their given values every
+// arrival is predicted as before.
 TEST(LayoutWithout, DelaysThatAreReleasedBeginWhereTheyWereHeld) {
   const DelayPer kinds[] = {
       {}, {.beacon = true}, {.receiver = true}, {.site = true}, {.receiver = true, .site = true}};

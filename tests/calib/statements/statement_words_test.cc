@@ -117,7 +117,7 @@ TEST(StatementWords, OfADelaySayItInMicrosecondsOrNanoseconds) {
   EXPECT_EQ(c.found, "31.25 ns");
 }
 
-// Whoever was stated to have the one delay: what is said is all of it, not what came on top.
+// For any owner of the one delay, the description has the full delay, not the additional part.
 TEST(StatementWords, OfAHeldDelaySayTheWholeOfIt) {
   const DelayPer kinds[] = {{}, {.beacon = true}, {.receiver = true}, {.site = true}};
   for (const DelayPer& per : kinds) {

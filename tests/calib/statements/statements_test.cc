@@ -239,8 +239,7 @@ struct MovedBeacon {
   double after_s = 0.0;  ///< relative to the start of the recording
 };
 
-/// B4 is moved along its rays (what is found of moves begins with arrivals that are left out) after some
-/// share of the recording.
+/// B4 is moved along its rays (moves are found from rejected arrivals) after some share of the recording.
 MovedBeacon with_moved_beacon(std::uint64_t seed, double by_m, double share) {
   Scenario s = without_noise(sixty_stops());
   MovedBeacon moved{must(simulate(s, seed))};
@@ -326,7 +325,8 @@ TEST(Agreement, EarlyArrivalsAllOverTheHallContradict) {
   EXPECT_THAT(c.found, HasSubstr("early"));
 }
 
-// An obstacle or an echo is of a place and a beacon: of all places and beacons it is the receiver.
+// An obstacle or an echo affects a place and a beacon; if all places and beacons are affected, the receiver
+// is the cause.
 TEST(Agreement, AReceiverMostOfWhoseArrivalsAreLeftOutContradicts) {
   for (const bool all_over : {true, false}) {
     World world = must(simulate(sixty_stops(), 5));

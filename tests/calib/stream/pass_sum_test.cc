@@ -25,7 +25,7 @@ RC_GTEST_PROP(OrderedParts, AreTakenInTheirOrderWhicheverIsReadyFirst, ()) {
       RC_ASSERT(value == static_cast<int>(10 * part));
       taken.push_back(part);
     });
-    // As soon as it is a part's turn: all before the first that is missing.
+    // As soon as all previous parts are complete: all before the first missing one.
     std::set<std::size_t> ready(order.begin(), std::find(order.begin(), order.end(), k) + 1);
     std::size_t first_missing = 4;
     while (ready.contains(first_missing)) ++first_missing;

@@ -45,7 +45,7 @@ inline double reach_m(const std::vector<Eigen::Vector2d>& area_m, double directi
   return reach;
 }
 
-/// The bearings that were left out, with their reasons, in whatever order.
+/// The rejected bearings, with their reasons, in any order.
 inline void expect_same_bearings(const calib::Solution& whole, const calib::Solution& part) {
   const auto by_number = [](const calib::Solution& s) {
     std::map<std::pair<std::size_t, std::size_t>, calib::LeftOutBearing> all;

@@ -14,9 +14,10 @@
 
 namespace octant::test {
 
-/// Each of several ranks reads its share of a recording, and all say what one alone says.
+/// Each of several ranks reads its share of a recording, and all have the result of a single one.
 /// @param memory    bytes of arrivals at a time
-/// @param distance  of two solutions, zero where they are the same  @param within  the most from one alone
+/// @param distance  distance of two solutions, zero if they are equal
+/// @param within    largest distance from the single one
 template <class Distance>
 void expect_ranks_to_share_and_agree(const World& world, std::size_t memory,
                                      std::initializer_list<int> counts, Distance&& distance, double within) {

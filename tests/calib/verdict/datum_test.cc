@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// The datum in words by what the site states; its free motions against rigid motions of the map.
+// The description of the datum by the site file; its free motions compared with rigid motions of the map.
 #include "calib/verdict/datum.h"
 
 #include <cmath>

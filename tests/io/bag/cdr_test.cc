@@ -26,8 +26,8 @@ Field some_field() {
   }
 }
 
-/// The encoding byte by byte as OMG's standard has it: a number begins at a multiple of its size behind the
-/// four bytes of the head (in plain CDR2 of four bytes at most), a text is its length with a NUL.
+/// The encoding byte by byte as in OMG's standard: a number begins at a multiple of its size after the four
+/// bytes of the head (in plain CDR2, at most four bytes); a text is its length with a NUL.
 std::string encoded(const std::vector<Field>& fields, int kind) {
   std::string out;
   const bool little = kind % 2 == 1;
@@ -131,7 +131,7 @@ TEST(Cdr, ASequenceIsNoLongerThanItsBytes) {
   CdrWriter out;
   out.value(std::uint32_t{3});
   for (int i = 0; i < 3; ++i) out.value(std::uint64_t{1});
-  // Four bytes of padding stand before the first: what is left is 28 bytes.
+  // Four bytes of padding precede the first: 28 bytes remain.
   EXPECT_EQ(CdrReader(out.message()).count(8), 3U);
   EXPECT_EQ(CdrReader(out.message()).count(9), 3U);
   CdrReader in(out.message());

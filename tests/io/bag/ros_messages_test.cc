@@ -156,7 +156,7 @@ TEST(RosRanges, WhatIsOutsideTheSensorsReachWasNotMeasured) {
   EXPECT_FALSE(range_of("no message"));
 }
 
-/// Every type that a definition names is defined in it (a `ros2msg` schema stands by itself).
+/// Every type that a definition names is defined in it (a `ros2msg` schema is complete).
 TEST(RosDefinitions, HoldAllTheyStandOn) {
   for (const auto type : {kRosPose, kRosPoseWithCovariance, kRosOdometry}) {
     const std::string text = ros_definition(type);

@@ -29,7 +29,7 @@ struct Record {
   [[nodiscard]] std::uint64_t u(std::size_t begin, std::size_t bytes) const {
     return number(content, begin, bytes);
   }
-  /// The text whose length stands there, and where it ends.
+  /// The text with its preceding length, and its end.
   [[nodiscard]] std::string text(std::size_t& begin) const {
     const std::size_t size = u(begin, 4);
     const std::string out = content.substr(begin + 4, size);

@@ -96,8 +96,8 @@ TEST(ImportedLog, NothingIsAnError) {
   expect_error(run_files(log, "run", {}), 0, "no row that was asked for");
 }
 
-/// Odometry that counts poses in a frame of its own, as the steps that a run has: added up again they are the
-/// poses, seen from the first.
+/// Odometry as poses in its own frame, converted to the steps of a run: their sum gives the poses, relative
+/// to the first.
 TEST(ImportedLog, StepsOfTheOdometryAddUpToItsPoses) {
   for (const bool in_space : {false, true}) {
     ImportedLog log = log_of({});

@@ -73,7 +73,7 @@ TEST(VendorLogs, WhatADwm1001Says) {
     return tof_of(read_dwm1001_log(box.write("dwm.log", text), options));
   };
   const std::string head = "time_s,beacon,distance_m\n";
-  // Whatever terminal wrote the time.
+  // Times as written by any terminal.
   for (const auto& [before, time] : {std::pair("12.5 ", "12.5"),
                                      {"1630180636.250,", "1630180636.25"},
                                      {"1630180636250: ", "1630180636.25"},

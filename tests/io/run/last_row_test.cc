@@ -104,7 +104,7 @@ TEST(LastRow, OfOtherKindsOfColumns) {
   EXPECT_EQ(kept(poses + "20 1.25 2.5 0 0 0 0.6 0.8", "poses.tum").text, poses + "20 1.25 2.5 0 0 0 0.6 0.8");
 }
 
-/// As a whole and in blocks; the digest is that of the file as it stands.
+/// As a whole and in blocks; the digest is that of the file.
 TEST(LastRow, IsLeftOutOfARun) {
   const test::TemporaryFolder folder;
   const std::string text = log_of(40), cut = text.substr(0, text.size() - 6);

@@ -87,7 +87,7 @@ TEST(RunDistances, StandForTimesWhereTheSpeedIsConstant) {
                        .tof_s,
                    1e-7);
   expect_error(read_with(tof, "", ""), 1, "constant", "tof.csv");
-  // Where both are there, the time is what was measured.
+  // If both are present, the time is the measured one.
   EXPECT_DOUBLE_EQ(
       read_with("time_s,beacon,tof_s,distance_m\n1,B0,0.5,30\n", "", "", {.constant_speed_mps = 3e8})
           .value()

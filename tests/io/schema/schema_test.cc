@@ -84,8 +84,8 @@ std::string unit_of_key(const std::string& key) {
   return "";
 }
 
-/// Every key below "properties", and every column, has a description and an example, a unit where it is a
-/// number or its name states one, and where it may be left out it says what holds then.
+/// Every key below "properties", and every column, has a description and an example, a unit if it is a number
+/// or its name has one, and its default if it is optional.
 void check_words(const nlohmann::json& node, const nlohmann::json& root, const std::string& where,
                  std::size_t& keys) {
   if (!node.is_structured()) return;

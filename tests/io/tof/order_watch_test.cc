@@ -53,7 +53,7 @@ TEST(OrderWatch, AgreesWithSetsOfWhatHasEnded) {
   }));
 }
 
-/// Two rows of a file, and what is said of the second one.
+/// Two rows of a file, and the finding for the second one.
 std::string said(const std::string& first, const std::string& second) {
   const std::string text = "time_s,epoch\n" + first + "\n" + second + "\n";
   CsvReader csv(text, "t.csv");

@@ -130,7 +130,7 @@ TEST(YamlReader, AbsentKeysGiveTheFallbackAndRequiredOnesAnError) {
   EXPECT_EQ(r.log.error->expected, "a positive number");
 }
 
-/// Keys that were asked for are not what a missing one was misspelt as.
+/// Keys that were requested are not suggested as misspellings of a missing one.
 TEST(YamlReader, AMissingKeyIsHeldAgainstThoseThatNobodyAskedFor) {
   Reading r("model: x\nsigma_mp: 1\n");
   (void)r.map.text("model", "");

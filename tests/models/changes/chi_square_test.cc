@@ -32,7 +32,7 @@ TEST(ChiSquare, TailAgreesWithTheTables) {
 TEST(ChiSquare, LogarithmGoesOnWhereTheProbabilityIsNone) {
   EXPECT_EQ(chi_square_tail(5000, 3), 0.0);
   EXPECT_DOUBLE_EQ(log_chi_square_tail(5000, 2), -2500.0);
-  // Q = erfc(sqrt(x/2)) is about exp(-x/2) / sqrt(pi x / 2) (1 - 1/x), off by 3 / x^2.
+  // Q = erfc(sqrt(x/2)) is about exp(-x/2) / sqrt(pi x / 2) (1 - 1/x), with a relative error of 3 / x^2.
   EXPECT_NEAR(log_chi_square_tail(5000, 1), -2500 - 0.5 * std::log(M_PI * 2500) + std::log1p(-1.0 / 5000),
               2e-7);
   // Both forms of the scaled error function meet at x = 50.

@@ -160,7 +160,7 @@ TEST(Comparison, ARecalibrationIsHeldAgainstWhatItsVisitSaid) {
   ASSERT_EQ(found.changes.size(), 1U);
   EXPECT_EQ(found.changes[0].subject, "B6");
   EXPECT_NEAR(found.changes[0].size, 0.02, 1e-5);
-  // The visit's own millimetre, what was known before, and the drift.
+  // The visit's own millimetre, the earlier covariance, and the drift.
   EXPECT_NEAR(found.changes[0].sigma, std::sqrt(1e-6 + 4e-6 + 1e-6), 1e-5);
   // Without released parameters the visit still shows it: the effect of the prior is removed.
   const Comparison held_back = compare(before, recalibrated(before, measured, {}), Drift{});

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Streams with gaps, disorder, kidnapping and warm air: fixes stay within what they state.
+// Streams with gaps, disorder, kidnapping and warm air: the errors of fixes agree with their covariance.
 #include <cmath>
 #include <random>
 

@@ -15,7 +15,7 @@
 namespace octant {
 namespace {
 
-/// Arrivals of a hall whose air is faster than its deployment says by so much.
+/// Arrivals of a hall in which sound is faster than in its deployment by this amount.
 World faster_hall(double by_mps) {
   Scenario scenario = test::hall_scenario();
   scenario.true_temperature_offset_degC.reset();

@@ -15,7 +15,7 @@
 
 namespace octant::test {
 
-/// A follower that keeps what it reports.
+/// A follower that stores its results.
 struct Live {
   explicit Live(const Deployment& d, const FollowOptions& options = {}) : follower(d, options) {
     follower.on_fix = [this](const Fix& fix) { fixes.push_back(fix); };

@@ -157,7 +157,7 @@ TEST_F(Laboratory, Figure10Tilt) {
   EXPECT_EQ(corrected.fixes, corrected.tried);
   EXPECT_LT(ignored.max_deg, 0.1);  // paper: orientation unaffected up to 35 deg
   EXPECT_LT(corrected.max_deg, 0.1);
-  // The sonars stand 0.3 m above the axis of the tilt, which leans them 0.17 m forward or back.
+  // The sonars are 0.3 m above the axis of the tilt, which displaces them by 0.17 m forward or back.
   EXPECT_NEAR(ignored.max_m, 0.3 * std::sin(35 * kDegree), 0.01);
   EXPECT_LT(corrected.max_m, 0.01);
 }

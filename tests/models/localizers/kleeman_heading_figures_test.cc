@@ -113,9 +113,9 @@ TEST(KleemanHeadingFigures, AsPublishedIsWithin10Degrees) {
   EXPECT_NEAR(t.nees(), 1.0, 0.2);
 }
 
-/// Sectors: 4.0 degrees against 5.2. At (4.003, 4.892), near the middle, the bearings are alike modulo 45
-/// degrees and leave gaps of 21.6 degrees between the edges of all sectors: 10.8 at worst there, whatever is
-/// made of the pattern.
+/// Sectors: 4.0 degrees instead of 5.2. At (4.003, 4.892), near the centre, the bearings are equal modulo 45
+/// degrees and leave gaps of 21.6 degrees between the edges of all sectors: 10.8 at worst there, for any use
+/// of the pattern.
 TEST(KleemanHeadingFigures, HearingIsWithin10DegreesAtThePublishedPlaces) {
   const Tally t = at_the_places(KleemanHeading::kHearing);
   std::cout << "seed " << kSeed << ", hearing at the paper's places, " << t << "\n";
@@ -304,7 +304,7 @@ TEST(KleemanHeadingFigures, AmplitudesBringBothWithinTheirMarks) {
   EXPECT_NEAR(interpolated.nees(), 1.0, 0.15);
 }
 
-/// At 10 us a vehicle that stands has it after two or three cycles.
+/// At 10 us a vehicle at rest reaches it after two or three cycles.
 TEST(KleemanHeadingFigures, StandingForThreeCyclesGivesADegree) {
   std::mt19937_64 random(kSeed + 2);
   const Deployment d = kleeman_room();

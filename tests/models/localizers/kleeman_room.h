@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Kleeman's room: 10 x 10 m, six beacons round the walls. The paper's figure 1 is not in its text, which says
-// that beacons 1 and 4 are not in corners: so 0, 2, 3, 5 are, and 1 and 4 in the middle of opposite walls.
+// Kleeman's room: 10 x 10 m, six beacons along the walls. The text, which lacks the paper's figure 1,
+// excludes beacons 1 and 4 from the corners: so 0, 2, 3, 5 are in corners, and 1 and 4 in the middle of
+// opposite walls.
 
 #include <algorithm>
 #include <array>
@@ -23,8 +24,8 @@ namespace octant::test {
 /// ripple of a half-wave rectified envelope at 40 kHz (25 us, 7.2 us rms) make 9.2 us.
 inline constexpr double kPrototypeSigma_s = 1.0e-5;
 
-/// Height of the beacons above the floor, the array at 0.3 m. The paper does not say; level: as in its plane
-/// figures.
+/// Height of the beacons above the floor, the array at 0.3 m. The paper does not give it; level: as in its
+/// plane figures.
 inline Deployment kleeman_room(double beacon_height_m = 2.0) {
   Deployment d;
   d.medium.speed_mps = 345.0;  // the paper's

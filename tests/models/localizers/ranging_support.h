@@ -43,8 +43,8 @@ inline double nees(const Fix& fix, const Pose& truth) {
   return e.dot(Eigen::Matrix3d(fix.covariance).inverse() * e);
 }
 
-/// Covariance of a fix from numeric derivatives by each arrival's time: an independent referee of what the
-/// fix says.
+/// Covariance of a fix from numeric derivatives by each arrival's time: an independent reference for that of
+/// the fix.
 template <class AnyLocalizer>
 Eigen::Matrix3d numeric_covariance(AnyLocalizer& localizer, std::vector<Arrival> arrivals, double sigma_s,
                                    double step_s = 1e-8) {

@@ -107,7 +107,7 @@ RC_GTEST_PROP(ArrivalRows, BySharedNumbersAgreeWithNumericOnes, ()) {
       expect_near(rows[r].by_receiver[i], receiver[r], 300.0);
     }
   }
-  // All delays count alike: the beacon's, the receiver's, the site's, the pair's.
+  // All delays have equal derivatives: the beacon's, the receiver's, the site's, the pair's.
   for (double* delay : {&one.state.beacon_delay_s[0], &one.state.receiver_delay_s[0], &one.state.site_delay_s,
                         &one.state.pair_bias_s[0]}) {
     const Eigen::Vector2d by = one.by(*delay, 1e-7);

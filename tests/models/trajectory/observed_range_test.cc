@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Whoever makes a range of a time of flight comes to the same one, and it is the way that the signal took.
+// All conversions of a time of flight to a range agree, and give the length of the path.
 #include "models/trajectory/observed_range.h"
 
 #include <cmath>

@@ -23,7 +23,7 @@ SharedState rich_state() {
   return prior_state(s.site);
 }
 
-// The prior mean of the delay stands once, whoever has one.
+// The prior mean of the delay applies once, for any owner.
 TEST(PriorState, EveryArrivalIsLateByTheStatedDelayOnce) {
   const DelayPer kinds[] = {{},
                             {.beacon = true},

@@ -17,7 +17,7 @@ struct Drive {
   SharedState state;
 };
 
-/// A long drive in the plane with plain arrivals and odometry, its states off by centimetres.
+/// A long drive in the plane with plain arrivals and odometry, with errors of its states of centimetres.
 Drive long_plain_drive(std::size_t nodes) {
   Drive drive;
   std::mt19937 random(11);

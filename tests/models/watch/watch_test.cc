@@ -17,8 +17,7 @@
 namespace octant {
 namespace {
 
-/// The hall as it was calibrated, and a robot that stops all over it. What is wrong is wrong in `truth`
-/// alone.
+/// The calibrated hall, and a robot that stops all over it. Faults are in `truth` only.
 class Rounds {
  public:
   explicit Rounds(std::uint64_t seed) : draws_(seed, 7) {
@@ -336,7 +335,7 @@ TEST(WatchedDrive, AReplacedBeaconIsLateAndTheNextChangeIsFoundToo) {
   EXPECT_NEAR(drive.alarms[1].shift_m.x(), 0.02, 0.005);
 }
 
-// Two waves of 5 mm at each beacon, which come and go within some metres.
+// Two waves of 5 mm at each beacon, which vary within some metres.
 TEST(WatchedDrive, MultipathOfThePlaceAccusesNobody) {
   Drive drive(14);
   drive.multipath_m = 0.005;

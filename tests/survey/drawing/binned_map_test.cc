@@ -21,7 +21,7 @@ using test::small_scene;
 using test::small_site;
 using ::testing::HasSubstr;
 
-// Rec. 709 luminance: a grey print keeps the order of the colours, and people who see fewer hues keep it too.
+// Rec. 709 luminance: a grey print keeps the order of the colours, and so does reduced colour vision.
 TEST(BinnedMap, ColoursGetLighterAndCostsFall) {
   BinnedMap scale{.columns = 101, .rows = 1};
   scale.low = 2.0, scale.high = 4.0;

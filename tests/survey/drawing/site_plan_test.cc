@@ -44,7 +44,7 @@ TEST(SitePlan, EllipseHasTheAxesOfTheCovariance) {
                         &x, &y, &rx, &ry, &degrees),
             5);
   EXPECT_NEAR(rx / ry, 2.0, 0.01);
-  // 95 % of both coordinates: sqrt(-2 ln 0.05) sigma, as large as the legend says.
+  // 95 % of both coordinates: sqrt(-2 ln 0.05) sigma, magnified as in the legend.
   const PlanFrame frame = plan_frame(plan);
   EXPECT_NEAR(rx,
               std::sqrt(-2 * std::log(0.05)) * 0.002 *

@@ -23,7 +23,7 @@ Survey surveyed(const Scene& scene = test::small_scene()) {
   return test::must(run_survey(test::must(make_survey_model(site, scene)), scene, nullptr));
 }
 
-/// Area in pixels of all rectangles of a colour: what is printed as "M x y h W v H h -W z".
+/// Area in pixels of all rectangles of a colour, printed as "M x y h W v H h -W z".
 std::map<std::string, double> areas_of(const std::string& svg) {
   const std::string begin = "<path class='cell' fill='";
   std::map<std::string, double> areas;

@@ -54,7 +54,7 @@ bool hidden_by(const KernelTile& tile, std::size_t b, const Eigen::Vector3d& fro
   for (std::uint32_t w = tile.wall_first[b]; w < tile.wall_first[b + 1]; ++w) {
     const KernelWall& k = tile.walls[w];
     WallPiece wall{{k.x_m, k.y_m}, {k.x_m + k.wx_m, k.y_m + k.wy_m}, k.bottom_m, k.top_m};
-    // Where it says that it is as high as all paths, its heights must not matter.
+    // If it is marked as higher than all paths, its heights must not matter.
     if (k.any_height) wall.bottom_m = -1e9, wall.top_m = 1e9;
     if (test::crosses(wall, from, to)) return true;
   }

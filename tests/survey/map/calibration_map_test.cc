@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// A calibration that is wrong by a similarity of the whole place moves every fix by that similarity, whatever
-// the geometry; besides a dense sum where beacons are wrong each by itself.
+// A calibration with an error of similarity moves every fix by this similarity, for any geometry. Also a
+// dense sum for independent errors of beacons.
 #include "survey/map/calibration_map.h"
 #include "survey/geometry/make_survey_model.h"
 

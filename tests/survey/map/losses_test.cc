@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Failures counted from sums of layers, against dense inverses of what is left.
+// Failures counted from sums of layers, compared with dense inverses of the remainder.
 #include "survey/map/losses.h"
 
 #include <algorithm>

@@ -24,7 +24,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// Cells of a row: what stands between pipes that no backslash escapes.
+/// Cells of a row: text between pipes without a backslash.
 std::size_t cells_of(const std::string& line) {
   std::size_t pipes = 0;
   for (std::size_t i = 0; i < line.size(); ++i) {

@@ -152,7 +152,7 @@ TEST(SurveyPage, LivePlanHasWallsAndRoutesByName) {
     return *std::find_if(data.begin(), data.end(), [&](const auto& t) { return t["name"] == name; });
   };
   const auto walls = trace("wall"), route = trace("route");
-  // The column closed, the curtain open; what lets sound through is no wall here.
+  // The column closed, the curtain open; objects that transmit sound are no walls here.
   EXPECT_EQ(walls["x"], nlohmann::json::parse("[5, 7, 7, 5, 5, null, 9, 9, null]"));
   EXPECT_EQ(walls["y"], nlohmann::json::parse("[3, 3, 5, 5, 3, null, 0, 4, null]"));
   EXPECT_EQ(walls["text"][0], "&lt;/script&gt;&lt;b&gt;");  // plotly.js reads labels as HTML

@@ -40,7 +40,7 @@ PoseList some_poses(Random& draws, std::size_t count) {
   return poses;
 }
 
-/// Errors as they are defined: the fix's sigma, or the hall's size times one and what is missing.
+/// Errors by definition: the fix's sigma, or the hall's size times one plus the number of missing beacons.
 std::vector<double> errors_of(SurveyModel model, const std::vector<SurveyBeacon>& beacons,
                               const PoseList& poses, int required) {
   model.beacons = beacons;
@@ -147,7 +147,8 @@ TEST(LayoutScore, TheMeanBreaksTies) {
   EXPECT_GT(LayoutScore::value(a), LayoutScore::value(b));
 }
 
-/// Far from any fix one beacon more helps a little everywhere, or a search would see a plain.
+/// Far from any fix, one more beacon improves the value a little everywhere; otherwise a search would have no
+/// gradient.
 TEST(LayoutScore, TheSoftValueFallsWithEachBeaconEvenWhereThereIsNoFix) {
   Random draws(4);
   SurveyModel model = hall_model();

@@ -57,7 +57,7 @@ TEST(Mounts, OnAWallOneGoesEvenlyFromItsBeginToItsEndAndUp) {
   for (int i = 0; i <= 10; ++i)
     for (int k = 0; k <= 4; ++k) {
       const SurveyBeacon b = space.beacon({6.0 / 16 * i / 10 * (1 - 1e-15), k / 4.0});
-      // Two centimetres to the left of the way, where it looks.
+      // Two centimetres to the left of the path, in its direction.
       EXPECT_LT((b.p_map_m - Eigen::Vector3d(0.6 * i, 0.02, 2.0 + 0.5 * k)).norm(), 1e-9) << i << " " << k;
       EXPECT_EQ(b.axis, Eigen::Vector3d(0, 1, 0));
     }
@@ -110,7 +110,7 @@ TEST(Mounts, TheGridHasThreeHeightsWhereThereIsAChoice) {
   EXPECT_EQ(heights["long"], (std::map<double, int>{{2.0, 12}, {3.0, 12}, {4.0, 12}}));
   EXPECT_EQ(heights["short"], (std::map<double, int>{{3.0, 6}}));
   EXPECT_EQ(heights["pole"], (std::map<double, int>{{1.0, 1}, {1.5, 1}, {2.0, 1}}));
-  // Twelve places' worth of perimeter, in rows and columns over 2 x 1 m.
+  // Twelve positions along the perimeter, in rows and columns over 2 x 1 m.
   EXPECT_NEAR(heights["ceiling"][5.0], 12, 3);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Placement: against regular, random and greedy layouts in three halls; mounts; what is kept and what is
-// refused.
+// Placement: compared with regular, random and greedy layouts in three halls; mounts; kept beacons and
+// refusals.
 #include "survey/placement/placement.h"
 
 #include <algorithm>

@@ -68,7 +68,7 @@ TEST(ReportLoss, EachMapCrossesItsBeaconOut) {
   for (const auto& trace : figure["data"])
     if (trace.value("name", "") == "silent")
       crosses.emplace_back(trace["layer"].get<int>(), trace["y"][0].get<double>());
-  // Layer 0 is that of all at work; B1 hangs at (10, 0), B2 at (10, 8).
+  // Layer 0 has all beacons in use; B1 is at (10, 0), B2 at (10, 8).
   EXPECT_THAT(crosses, testing::ElementsAre(std::pair(1, 0.0), std::pair(2, 8.0)));
 }
 

@@ -144,7 +144,7 @@ TEST(Report, TextFromDataIsText) {
                                  "<img src=x onerror=alert(1)>&\"'", "--><!--", "a\x01\n|b"}) {
     const ReportInput input = report_full_of(evil);
     const std::string html = page(input), neutral = page(report_full_of("x"));
-    // The markup is the same whatever the texts are.
+    // The markup does not depend on the texts.
     for (const char* mark : {"<script", "</script", "<b>", "<img", "<!--", "-->", "<td", "<li", "<text"})
       EXPECT_EQ(count(html, mark), count(neutral, mark)) << evil << mark;
     EXPECT_THAT(html, HasSubstr(escape_xml(evil)));

@@ -48,7 +48,7 @@ TEST(ControlChart, AlarmsAreAsRareAsTheThresholdSays) {
   const int charts = 2000, visits = 20;
   for (int i = 0; i < charts; ++i)
     alarms += control_chart(level(draws, visits, 0.002), 0.5, h, 1e-5).shifts.size();
-  // Charts begin at zero, so that a few of the first visits cannot alarm: at most what the long run says.
+  // Charts begin at zero, so that the first few visits cannot alarm: at most the rate of the long run.
   const double expected = charts * (visits - 1) / visits_an_alarm;
   EXPECT_LT(static_cast<double>(alarms), expected + 4 * std::sqrt(expected));
   EXPECT_GT(static_cast<double>(alarms), 0.5 * expected);
@@ -114,7 +114,7 @@ TEST(ControlChart, AHeldPlaceThatIsStatedAnewIsAShift) {
   EXPECT_NEAR(moved.shifts[0].size, 0.01, 1e-9);
 }
 
-// Slopes of drifting quantities within their sigmas, and dates that hold as often as two sigmas say.
+// Slopes of drifting quantities within their sigmas, and dates that are correct as often as two sigmas imply.
 TEST(Forecast, DatesHoldTheTruthAsOftenAsTheySay) {
   Random draws(5);
   const double per_s = 1e-3 / kMonth, limit = 0.03, true_s = limit / per_s;

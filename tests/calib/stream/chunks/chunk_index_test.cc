@@ -93,7 +93,7 @@ TEST(ChunkIndex, EachEpochIsInOneStretchAndWhole) {
     }
 }
 
-// Without epochs rows hang together while they follow each other within the time that ties states.
+// Without epochs, rows are connected if they follow each other within the time that links states.
 TEST(ChunkIndex, EachGroupBetweenPausesIsInOneChunkAndWhole) {
   for (const StateKind kind : {StateKind::kMotion, StateKind::kMoments, StateKind::kChainedStops})
     for (const std::size_t block : {std::size_t{1}, std::size_t{7}, std::size_t{64}, std::size_t{5000}}) {
@@ -148,7 +148,7 @@ TEST(ChunkIndex, DrivesAreNoneOfIt) {
   }
 }
 
-/// A part of a long log as subsample() chooses it, the log at hand or not.
+/// A part of a long log as selected by subsample(), with the log in memory or not.
 TEST(LogPart, IsThatOfTheWholeLog) {
   Scenario s = hall_scenario();
   s.path.epochs = 1500;

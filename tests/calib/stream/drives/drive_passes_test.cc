@@ -27,7 +27,7 @@ TEST(DrivePasses, SayWhatTheWholeSays) {
   expect_same_drive(world.site, {world.run});
 }
 
-// Off by what only the chi-square test sees.
+// An error that only the chi-square test detects.
 TEST(DrivePasses, FindTheNoiseOfTheWhole) {
   const World world = long_drive(2, 0.01);
   Site site = world.site;
@@ -35,8 +35,8 @@ TEST(DrivePasses, FindTheNoiseOfTheWhole) {
   expect_same_drive(site, {world.run});
 }
 
-// Grossly off: the filters that place the states then take a third of the arrivals for outliers. Arrivals
-// between 3.6 and 4 sigmas stay what they first were, and of a few that depends on where a filter began.
+// A large error: the filters that solve the states then reject a third of the arrivals. Arrivals between 3.6
+// and 4 sigmas keep their first mark, which for a few depends on the start of a filter.
 TEST(DrivePasses, FindNoiseThatIsGrosslyOff) {
   const World world = long_drive(2, 0.01);
   Site site = world.site;

@@ -12,7 +12,7 @@
 namespace octant::test {
 namespace {
 
-/// The part of a run that is not at hand against what subsample() takes of it.
+/// The part of a run that is not in memory, compared with the selection of subsample().
 void expect_the_part_of_thin(const Site& site, const MeasurementLog& run) {
   const MeasurementLog expected = calib::subsample(run, site, calib::kLongLogSubsample);
   MemorySource source(std::vector<MeasurementLog>{run}, 300);

@@ -49,7 +49,7 @@ TEST(Circles, MeetInFrontOfTheReceivers) {
     ASSERT_TRUE(found);
     // Across the line of sight an error of rounding grows by range over baseline, some twenty times.
     EXPECT_LT((*found - p).norm(), 1e-12) << turn;
-    // The point behind is the mirror image, and is what the other facing gives.
+    // The point behind is the mirror image, which the other facing gives.
     const auto behind = intersect_circles(p1, (p - p1).norm(), p2, (p - p2).norm(), -facing);
     ASSERT_TRUE(behind);
     EXPECT_LT(facing.dot(*behind - p1), 0.0);

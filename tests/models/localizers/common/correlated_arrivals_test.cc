@@ -73,7 +73,7 @@ RC_GTEST_PROP(CorrelatedArrivals, AlongADriveWeighEachByItsOthers, ()) {
   for (std::size_t i = 0; i < 40; ++i) RC_ASSERT(t.arrivals[i].sigma_s == before.arrivals[i].sigma_s);
 }
 
-// At one place what counts is the variance of a pair's mean: each gets the mean of what they share.
+// At one place the variance of a pair's mean counts: each gets the mean of the shared information.
 RC_GTEST_PROP(CorrelatedArrivals, AtOnePlaceShareWhatTheirMeanIsWorth, ()) {
   Random draws(static_cast<std::uint64_t>(*rc::gen::arbitrary<std::uint32_t>()));
   Trajectory t = any_arrivals(draws);

@@ -56,7 +56,7 @@ std::vector<NamedLocalizer> all_localizers(const Deployment& d) {
   return all;
 }
 
-/// Mostly ids that exist, else anything that 32 bits can hold.
+/// Mostly existing ids, otherwise any 32-bit number.
 rc::Gen<std::int32_t> some_id(int count) {
   return rc::gen::weightedOneOf<std::int32_t>(
       {{6, rc::gen::inRange<std::int32_t>(0, count)},

@@ -74,8 +74,8 @@ TEST(Protection, SeparationsAreThoseOfFixesWithoutTheBeacon) {
   EXPECT_GT(compared, 60);
 }
 
-// All arrivals of one beacon late by 35 us, 3.5 sigmas: hardly one by itself is beyond its gate of four, the
-// eight of them together are far beyond chance.
+// All arrivals of one beacon are late by 35 us, 3.5 sigmas: single ones are hardly beyond the gate of four,
+// the eight together are very significant.
 TEST(Protection, ABeaconAtFaultIsLeftOut) {
   Scenario all_round = many_stops();
   all_round.hearing_half_angle_rad = 3.2;

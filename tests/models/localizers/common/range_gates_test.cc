@@ -125,8 +125,7 @@ TEST(ArrivalRange, OffADirectionalReceiversAxisItIsKnownLessWell) {
   const double walk_m = 343 * (*time_walk_s(amplitude_v(9, *d.attenuation) / std::sqrt(2.0), *d.attenuation) -
                                *time_walk_s(amplitude_v(9, *d.attenuation), *d.attenuation));
   EXPECT_NEAR(arrival_range(a[0], d).sigma_m, std::hypot(all_round_m, walk_m), 0.05 * walk_m);
-  // From the measured amplitude the walk is known, from wherever it came; not from one at the receiver's
-  // stop.
+  // The measured amplitude determines the walk, for any direction; a saturated one does not.
   a[0].amplitude_v = amplitude_v(9, *d.attenuation);
   const double measured_m = arrival_range(a[0], d).sigma_m;
   EXPECT_LT(measured_m, 0.5 * walk_m);

@@ -64,14 +64,14 @@ TEST(BeaconSums, AreTheSolutionsWithoutEachBeacon) {
     const LinearProblem q = p.without(b);
     ASSERT_TRUE(s.determined);
     EXPECT_EQ(s.arrivals, 4);
-    // The residuals stand where the state is zero; the fix without the beacon lies there off.
+    // The residuals are those at a zero state; the fix without the beacon has an offset there.
     EXPECT_NEAR(s.shift_m, q.solution().head<2>().norm(), 1e-12);
     const Eigen::Matrix2d P = q.covariance().topLeftCorner<2, 2>();
     EXPECT_NEAR(s.variance_m2, P.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff(), 1e-12);
   }
 }
 
-// Where the state is the solution, the misfit of a beacon is what the cost loses with its rows.
+// At the solution, the misfit of a beacon is the decrease of the cost without its rows.
 TEST(BeaconSums, TheMisfitIsWhatTheCostLoses) {
   LinearProblem p(11);
   p.r += p.J * p.solution();

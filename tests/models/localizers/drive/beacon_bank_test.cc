@@ -58,8 +58,8 @@ Levels levels_with(World world, BeaconId at_fault, Fault&& late_s) {
   return levels;
 }
 
-// A beacon whose times creep off by 20 us a second, which no arrival by itself shows: the filter follows it,
-// the one without it does not.
+// A beacon whose times drift by 20 us a second, which no single arrival shows: the filter follows it, the one
+// without it does not.
 double creeping_s(double time_s) { return 20e-6 * std::max(0.0, time_s - 15.0); }
 
 TEST(BeaconBank, ACreepingBeaconStaysWithinTheLevel) {

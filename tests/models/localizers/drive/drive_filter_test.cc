@@ -19,7 +19,7 @@ namespace {
 
 const Pose kTruth = Pose::planar(7.0, 5.0, 0.6);
 
-/// A stop's arrivals in a hall, and what a filter needs of it.
+/// Arrivals of a stop in a hall, and the input of a filter.
 struct Hall {
   Deployment d = with_receiver(with_receiver(hall(), {0.4, 0.1, 0.3}), {-0.3, 0.2, 0.3});
   EpochFixModel model;
@@ -44,7 +44,7 @@ struct Hall {
     std::mt19937_64 random(5);
     set_epoch(t, hear(d, kTruth, {.noise_s = noise_s}, random), {}, trajectory_model(d));
   }
-  /// Predicted time of an arrival at a pose, with calibrated numbers off by so much.
+  /// Predicted time of an arrival at a pose, with given errors of the calibrated parameters.
   [[nodiscard]] double tof_s(const ArrivalObservation& a, const Eigen::Vector3d& at,
                              const Eigen::VectorXd& off = {}) const {
     SharedState state = model.state;
@@ -96,7 +96,7 @@ TEST(DriveFilter, OfArrivalsAtOneInstantIsTheirLeastSquares) {
     x += N.inverse() * g;
   }
   const Eigen::Matrix3d C = N.inverse();
-  // One by one each is linearised where the filter then stands: a few hundredths of a sigma.
+  // One by one, each is linearised at the present state of the filter: a few hundredths of a sigma.
   EXPECT_LT((vector_of(filter.pose()) - x).cwiseQuotient(C.diagonal().cwiseSqrt()).cwiseAbs().maxCoeff(),
             0.05);
   EXPECT_LT((filter.covariance() - C).cwiseAbs().maxCoeff(), 0.05 * C.cwiseAbs().maxCoeff());

@@ -24,7 +24,7 @@ Deployment hall_for(Motion motion) {
   return d;
 }
 
-/// Tangent of b at a, as Motion has it.
+/// Tangent of b at a, as defined for Motion.
 template <int kDof>
 Eigen::Matrix<double, kDof, 1> difference(const Pose& a, const Pose& b) {
   Eigen::Matrix<double, kDof, 1> d;

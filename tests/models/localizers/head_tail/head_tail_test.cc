@@ -304,8 +304,8 @@ TEST(HeadTail, CalibrationsUncertaintyIsInTheFix) {
   for (auto& b : rough.beacons) b.covariance_m2 = 1e-4 * Eigen::Matrix3d::Identity();
   const Pose truth = Pose::planar(4, 3, 0.3);
   const Fix a = locate(exact, arrivals_at(exact, truth)), b = locate(rough, arrivals_at(rough, truth));
-  // Both ends see a station displaced alike, so it moves the vehicle and hardly turns it: the ranges' share
-  // of a centimetre.
+  // Both ends observe an equal displacement of a station, so it moves the vehicle and hardly rotates it: by
+  // the ranges' share of a centimetre.
   EXPECT_GT(b.covariance(0, 0), a.covariance(0, 0) + 1e-5);
   EXPECT_LT(std::sqrt(b.covariance(2, 2)), 2 * std::sqrt(a.covariance(2, 2)));
   Deployment warm = exact;

@@ -144,7 +144,7 @@ TEST(KleemanHeading, TheGainsDerivativesAreTheNumericOnes) {
     const Eigen::Vector2d p(5 * uniform(random), 5 * uniform(random));
     const double heading = M_PI * uniform(random);
     const ReceiverGain gain = receiver_gain(beacon, r, p, heading, model);
-    // As the measurement equation has it.
+    // As in the measurement equation.
     const Pose T = Pose::planar(p.x(), p.y(), heading);
     const PathInput in{.T_map_vehicle = &T,
                        .p_beacon_map_m = beacon,
@@ -188,7 +188,7 @@ TEST(KleemanHeading, SectorsOfMostBeaconsCount) {
   EXPECT_LT(outvoted.sigma_rad, 10.0 * kDegree);
 }
 
-/// Receivers are not alike to a tenth of a degree, so no overlap is that good.
+/// Receivers differ by more than a tenth of a degree, so no overlap is that accurate.
 TEST(KleemanHeading, ASliverOfOverlapPromisesNoMoreThanADegree) {
   Listening l;
   for (const double middle_deg :

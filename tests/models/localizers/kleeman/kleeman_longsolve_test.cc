@@ -114,7 +114,7 @@ TEST(Longsolve, UsesOfABeaconAreLimited) {
   EXPECT_EQ(once.averaged.count(), 6u);
 }
 
-/// The gain is what the covariance is made of: derivatives of the average by the distances.
+/// The gain determines the covariance: derivatives of the average by the distances.
 TEST(Longsolve, GainIsTheDerivative) {
   const Room room = ring(6);
   const Eigen::Vector2d p(2.7, 6.1);
@@ -155,9 +155,9 @@ TEST(Longsolve, OneLateBeaconIsOutvoted) {
   }
 }
 
-/// Step 4 by itself, as published: triples with a late beacon are removed for the next best until the rest
-/// agree. (Where the late beacon is in most of the best triples they outvote the others; that the exclusions
-/// are for.)
+/// Step 4 alone, as published: triples with a late beacon are replaced by the next best until the rest agree.
+/// (If the late beacon is in most of the best triples, they outvote the others; the exclusions handle that
+/// case.)
 TEST(Longsolve, RemovalAloneFindsMostOfTheLateBeacons) {
   Random random(9);
   LongsolveOptions published;
@@ -270,7 +270,7 @@ TEST(Longsolve, ThreeBeaconsMayBeAmbiguous) {
     if (fix.status == FixStatus::kAmbiguous) ++ambiguous;
     const bool near = (p - p.cwiseMax(4.0).cwiseMin(6.0)).norm() <
                       1.0;  // farther from the beacons' box it is said not to be
-    // Close to each other the two are one place, known as badly as its sigma says.
+    // If they are close to each other, they are one position with a correspondingly large sigma.
     if (near && fix.ok() && (fix.p_map_m - p).norm() > 1e-3 + 3.5 * kSigma_m * fix.gain.norm()) ++wrong;
     const LongsolveFix middle =
         solve(room, from(room, {random.uniform(4.6, 5.4), random.uniform(4.2, 4.8)}), options);

@@ -65,7 +65,7 @@ TEST(KleemanSpeed, FollowsFromRedundancy) {
   EXPECT_LT(normalised, test::chi2_quantile(1 - 1e-4, count));
 }
 
-/// From the middle of a ring all distances are alike, whatever the speed: said, not guessed.
+/// In the centre of a ring all distances are equal for any speed: reported as undetermined.
 TEST(KleemanSpeed, IsNotDeterminedFromTheMiddleOfARing) {
   std::mt19937_64 random(kSpeedSeed);
   Deployment d = kleeman_room();

@@ -189,7 +189,7 @@ TEST(PulseSync, OutlastsABlockedBeaconAndComesBack) {
   EXPECT_EQ(strict.epoch(), 19) << "cycles are counted on through the gap";
 }
 
-/// A crystal off by 100 ppm moves 90 us a cycle: 54 ms in nine minutes, more than a slot has to spare.
+/// A crystal error of 100 ppm is 90 us in each cycle: 54 ms in nine minutes, more than the margin of a slot.
 TEST(PulseSync, FollowsADriftingClock) {
   const Deployment room = test::kleeman_room();
   for (const double drift : {-1e-4, 1e-4}) {
@@ -203,7 +203,7 @@ TEST(PulseSync, FollowsADriftingClock) {
   }
 }
 
-/// The control module is reset: the sequence goes on from another phase.
+/// The control module is reset: the sequence continues with another phase.
 TEST(PulseSync, FollowsARestartOfTheBeacons) {
   const Deployment room = test::kleeman_room();
   const FiringSchedule schedule;

@@ -180,7 +180,7 @@ TEST(Kleeman, FixesAreWithin50MillimetresInSpiteOfEchoes) {
   EXPECT_GT(outvoted, 1000);
 }
 
-/// Clean data: both methods see the same arrivals, and the average of triples loses little against least
+/// Clean data: both methods use the same arrivals, and the average of triples is little worse than least
 /// squares.
 TEST(Kleeman, AgreesWithLeastSquares) {
   std::mt19937_64 random(kSeed + 7);

@@ -73,7 +73,7 @@ PlanarState random_state(std::mt19937_64& random) {
 }
 
 /// For one of the coarse headings, an eighth of a turn apart, the circles of two direct arrivals meet within
-/// what the lever arm makes of the heading's error: 2 * 0.25 m * pi / 8.
+/// the effect of the heading's error on the lever arm: 2 * 0.25 m * pi / 8.
 TEST(Candidates, PairsProposeAPlaceNearTheTruth) {
   std::mt19937_64 random(2);
   for (int k = 0; k < 50; ++k) {
@@ -90,7 +90,7 @@ TEST(Candidates, PairsProposeAPlaceNearTheTruth) {
   }
 }
 
-/// Every world but a few of a hundred is found, and what is found scores no worse than the truth itself.
+/// All but a few of a hundred worlds are found, with scores no worse than that of the truth.
 TEST(Candidates, SearchFindsThePose) {
   std::mt19937_64 random(3);
   int found = 0;
@@ -148,9 +148,9 @@ SearchProblem head_and_tail_at(const PlanarState& truth, std::mt19937_64& random
   return problem;
 }
 
-/// A pose that has a beacon in a shadow may lie centimetres from the one that all beacons agree on, with a
-/// hearing edge or a flat valley between them. What a beacon in a shadow costs is at least twice the margin
-/// here; where the valley has a kink a few of thousands are missed.
+/// A pose with a shadowed beacon may be centimetres from the one on which all beacons agree, with an edge of
+/// reception or a flat valley between them. A shadowed beacon costs at least twice the margin here; if the
+/// valley has a kink, a few of thousands are missed.
 TEST(Candidates, NoBeaconIsTakenToBeInAShadowWhereAllAgree) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> x(0.6, 5.4), y(0.6, 4.4), turn(-3.14, 3.14);

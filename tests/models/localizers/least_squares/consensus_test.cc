@@ -32,7 +32,7 @@ double residual_of(const SearchRange& r, const PlanarState& s) {
   return r.range_m - s.offset_m - (T * r.p_lever_m - r.p_beacon_map_m).norm();
 }
 
-/// Each arrival by itself: half its square, at most what an echo or a spurious one costs.
+/// Each arrival separately: half its square, limited to the cost of an echo or a spurious one.
 double mixture(const SearchProblem& problem, const PlanarState& s, double extra_m) {
   const double sigma = std::hypot(kSigmaM, extra_m);
   const double late = std::log(1.4 * kSpanM / sigma), early = std::log(28.0 * kSpanM / sigma);

@@ -147,8 +147,8 @@ TEST(HyperbolicFix, OtherIntersectionHasTheSameDifferences) {
 }
 
 TEST(HyperbolicFix, ParallelHyperbolasHaveNoIntersection) {
-  // From the extension of the line through two beacons their difference of distances is all baseline,
-  // wherever one stands.
+  // On the extension of the line through two beacons their difference of distances equals the baseline
+  // everywhere.
   const Three b = {{{{0, 0}, 0}, {{5, 0}, 0}, {{0, 5}, 0}}};
   const Eigen::Vector2d p(8, 0);
   EXPECT_FALSE(hyperbolic_step(directions(b, p)));

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// The localizer of single poses: what it takes of memory, and how it stands many rows.
+// The localizer of single poses: its memory, and large numbers of rows.
 #include <cmath>
 #include <random>
 #include <vector>

@@ -51,7 +51,7 @@ struct Stop {
     }
     return r;
   }
-  /// Covariance of the ranges: noise, and what a beacon's have in common.
+  /// Covariance of the ranges: noise, and the common error of a beacon.
   [[nodiscard]] Eigen::MatrixXd noise_m2(double uncertainty_m) const {
     const auto n = static_cast<Eigen::Index>(t.arrivals.size());
     Eigen::MatrixXd V = Eigen::MatrixXd::Zero(n, n);

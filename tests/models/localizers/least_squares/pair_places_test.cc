@@ -18,8 +18,8 @@ namespace {
 constexpr double kSigmaM = 0.004;
 constexpr int kHeadings = 8;
 
-/// Beacons along walls; a pose that explains two ranges of different beacons, whatever the others are: direct
-/// from elsewhere, and some of them late or early.
+/// Beacons along walls; a pose that explains two ranges of different beacons, with any others: direct from
+/// another position, and some of them late or early.
 struct PairWorld {
   PlanarState pose;
   SearchProblem problem;
@@ -55,8 +55,8 @@ struct PairWorld {
 
 constexpr double kNoBound = 1e9;
 
-/// Neither the place that the pose is at nor the heading next to the pose's is given up while the bound is
-/// what the pose scores.
+/// Neither the region of the pose nor the heading next to it is excluded if the bound is the score of the
+/// pose.
 TEST(PairPlaces, NoPoseScoresLessThanItsPlaceAllows) {
   std::mt19937_64 random(1);
   int flat = 0, narrower = 0, tight = 0;

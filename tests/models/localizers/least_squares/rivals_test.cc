@@ -134,7 +134,7 @@ TEST(Rivals, HeadingInformationIsTheInverseOfItsVariance) {
   }
 }
 
-/// Whatever the pose, it scores no less.
+/// A lower bound of the score for any pose.
 TEST(Rivals, DiscordIsWhatEveryPosePays) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> uniform;

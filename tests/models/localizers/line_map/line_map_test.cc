@@ -146,7 +146,7 @@ TEST(LineMap, CorrectsNothingAlongACorridor) {
   EXPECT_GT(fixes[50].arrivals_used, 0);
 }
 
-/// Odometry, beams and walls drawn from what the options state: the last fix of each drive.
+/// Odometry, beams and walls with the random errors of the options: the last fix of each drive.
 TEST(LineMap, CovarianceIsHonest) {
   std::cout << "seed " << kSeed + 2 << "\n";
   Random random(kSeed + 2);
@@ -199,8 +199,8 @@ TEST(LineMap, PointsSpeakForAndAgainstAPose) {
   EXPECT_EQ(support.through, 1);
 }
 
-/// Started between two places that fit equally well (pillars 0.8 m apart), the right one is found once the
-/// end wall is seen.
+/// Started between two positions that agree equally well (pillars 0.8 m apart), the right one is found once
+/// the end wall is visible.
 TEST(LineMap, FollowsSeveralPosesUntilOneIsClear) {
   Random random(kSeed + 5);
   std::vector<Wall> walls = {{{-20, 1.5}, {12, 1.5}}, {{-20, -1.5}, {12, -1.5}}, {{12, -1.5}, {12, 1.5}}};
@@ -218,7 +218,8 @@ TEST(LineMap, FollowsSeveralPosesUntilOneIsClear) {
             << error(fixes.back(), d.truth.back()).transpose() << "\n";
 }
 
-/// The map of another building: some of its walls lie near what the scans show, and must not make a sure fix.
+/// The map of another building: some of its walls are near those of the scans, and must not give a confident
+/// fix.
 TEST(LineMap, OffItsMapThereIsNoFix) {
   const std::vector<Wall> elsewhere = {{{1, 1.3}, {9, -1.2}}, {{9, -1.2}, {14, 8}}, {{14, 8}, {7.5, 11}},
                                        {{7.5, 11}, {1, 1.3}}, {{5, 4}, {8, 6.5}},   {{3, 6.1}, {3.8, 8.4}}};

@@ -30,8 +30,8 @@ struct Row {
 };
 constexpr std::array<Row, 3> kTable1 = {{{8700, 92}, {4600, 1}, {1600, 178}}};
 
-/// A driveway that has these lines: the building ahead (92 deg) and a wall on either side, seen by a scanner
-/// of 190 degrees and 80 m with half a degree between beams (LMS511), which looks along +y.
+/// A driveway with these lines: the building ahead (92 deg) and a wall on either side, observed by a scanner
+/// of 190 degrees and 80 m with half a degree between beams (LMS511) in the direction of +y.
 std::vector<Wall> driveway() {
   std::vector<Wall> walls;
   const double from[3] = {-1.9, -5.0, -8.5}, to[3] = {4.8, 8.5, 0.5};
@@ -103,7 +103,7 @@ TEST(Segments, LeaveOutWhatSawNothing) {
   EXPECT_EQ(scan_points(scan, {.range_max_m = 80.0}).size(), 2u);
 }
 
-/// A segment seen in two parts is the segment seen whole, and moves with its frame.
+/// A segment observed in two parts equals the whole segment, and moves with its frame.
 TEST(Segments, JoinAndMove) {
   Random random(3);
   std::vector<Eigen::Vector2d> all;

@@ -189,7 +189,7 @@ TEST(Rail, OfTwoBeaconsTheLateOneIsLeftOut) {
 }
 
 TEST(Rail, OfTwoRangesTheOneThatWouldBeEarlyIsRight) {
-  // One receiver, so that one range stands against one; both places are within reach of the last.
+  // One receiver, so that one range contradicts another; both positions are within reach of the last.
   const Deployment d = on_rail(kStraight, {{1.5, 3.0, 2.0}, {2.5, 3.2, 2.0}}, {{0.0, 0.0, 0.5}});
   RailLocalizer localizer(d);
   expect_at(locate(localizer, arrivals_at(d, 19.9)), kStraight, 19.9);

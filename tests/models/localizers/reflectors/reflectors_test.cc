@@ -81,8 +81,8 @@ TEST(Reflectors, IsExactWithoutNoise) {
   }
 }
 
-/// Two reflectors are named where they are not, and seen without a name where they are: only an assignment
-/// that takes a reflector from a bearing that names it leads to the pose.
+/// Two reflectors have labels at wrong bearings, and unlabelled bearings at the right ones: only an
+/// assignment that removes a reflector from its labelled bearing leads to the pose.
 TEST(Reflectors, TakesBackWhatIsNamedWrongly) {
   Random random(kSeed + 7);
   const Deployment d = with_reflectors({{0, 40}, {35, 38}, {33, 0}, {2, 5}});
@@ -190,7 +190,7 @@ TEST(Reflectors, SaysThatASquareIsAmbiguousUntilToldWhere) {
   const Fix fix = localizer.locate(of(bearings));
   ASSERT_TRUE(fix.ok()) << to_string(fix.status);
   EXPECT_LT(error(fix, truth).norm(), 1e-8);
-  // From here on the last fix says where.
+  // From here on the last fix determines the position.
   auto later = see(d, Pose::planar(2.1, 3.5, 0.5), 0.0, random, 1.0, 1e9, 0.2);
   EXPECT_TRUE(localizer.locate(of(later)).ok());
   // Long after, it no longer does.
@@ -244,7 +244,7 @@ TEST(Reflectors, HasNoFixWithAReasonWhereItCannot) {
   auto bearings = see(d, Pose::planar(0, -3, 1), 0.0, random);
   bearings[0].bearing_rad = std::nan("");
   EXPECT_EQ(Reflectors(d).locate(of(bearings)).status, FixStatus::kTooFewArrivals);
-  // Three unlabelled ones agree with anything.
+  // Three unlabelled ones agree with any reflectors.
   EXPECT_FALSE(Reflectors(d).locate(of(see(d, Pose::planar(0, -3, 1), 0.0, random, 1.0))).ok());
   d.beacons[1].status = BeaconStatus::kUndetermined;
   const Fix fix = Reflectors(d).locate(of(see(d, Pose::planar(0, -3, 1), 0.0, random)));

@@ -202,8 +202,7 @@ TEST(SpaceTrack, ThroughThePlaneOfItsBeaconsATrackTakesTheLikelierSides) {
   EXPECT_LT(nees / kFlights, 1.3);
 }
 
-// Heights of beacons that are wrong by centimetres may say as loudly as you like that the mirror image fits
-// better.
+// Beacon heights with errors of centimetres may favour the mirror image with any significance.
 TEST(SpaceTrack, BelowACeilingWhoseHeightsAreOffATrackStaysBelow) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Random random(seed, 3);
@@ -307,7 +306,7 @@ double off_m(const Fix& fix, const Pose& truth) {
   return (fix.T_map_vehicle.translation_m - truth.translation_m).head<2>().norm();
 }
 
-// Against the track of a log that never had the beacon: placed, filtered and smoothed by itself.
+// Compared with the track of a log without the beacon, started, filtered and smoothed separately.
 TEST(SpaceTrack, TheLevelIsTheFarthestOfTheTracksWithoutABeacon) {
   Random random(11, 1);
   const Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.0, 200, 1.5, random);

@@ -100,7 +100,7 @@ TEST(RoughPath, NothingHeardIsNoPath) {
                              TrackerOptions{.range_uncertainty_m = kSlack_m}));
 }
 
-/// Two poses at the ends and the odometry between them share what they disagree by as their variances are.
+/// Two poses at the ends and the odometry between them share their disagreement according to their variances.
 TEST(JoinPieces, SharesADisagreementByVariances) {
   constexpr double kStep_m = 5e-3, kOff_m = 0.2;
   Flight f = flight(1);

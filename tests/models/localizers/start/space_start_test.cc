@@ -70,7 +70,7 @@ TEST(SpaceStart, OdometryTellsPlaceAndAttitude) {
   EXPECT_EQ(e.beyond_level, 0U);
 }
 
-/// As a robot sees it: only what came before.
+/// As on a robot: past data only.
 TEST(SpaceStart, TheCausalFilterIsHonestAndUsesThePastAlone) {
   const World world = must(simulate(flight_scenario(60.0), 3));
   const MeasurementLog& run = world.heldout;
