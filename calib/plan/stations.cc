@@ -111,7 +111,7 @@ class Planner {
     if (stops_.empty() && !plan_.interrupted)
       return fail({.code = Errc::kBadInput,
                    .file = k_.problem.site.path,
-                   .found = "no place at which the vehicle would hear enough beacons to know where it stands",
+                   .found = "no place at which the vehicle would receive enough beacons for a fix",
                    .expected = "places within range of three beacons or more",
                    .advice = "check the range, the area and the beacons' positions"});
     plan_.greedy = beacon_knowledge(k_, information_);

@@ -58,7 +58,7 @@ std::string allow_for_shadows(const Problem& problem, const Estimate& estimate, 
       grown.push_back(problem.site.beacons[b].name);
   if (grown.empty()) return "";
   return fmt::format(
-      "of what beacons sent to stops {:.2g} % came late at all receivers; where few beacons are heard, such "
+      "{:.2g} % of the beacons received at stops came late at all receivers; at stops with few beacons such "
       "echoes show in no residual, and the sigmas of {} allow for that: record more stops there",
       100 * risk.share, fmt::join(grown, ", "));
 }

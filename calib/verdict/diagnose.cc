@@ -80,9 +80,8 @@ void warn_of_noise(const Problem& problem, const Estimate& estimate, double grow
                     noise_factor, s.variance_factor));
   if (s.redundancy >= 30 && noise_factor > 1.2 && may_be_directional(problem, solution.trajectories))
     solution.warnings.push_back(
-        "amplitudes are assumed to be alike all round each receiver: where these hear less off their axes, "
-        "state "
-        "attenuation.half_power_angle_rad (half of the beam width at -3 dB, with a sigma)");
+        "amplitudes are assumed to be equal in all directions at each receiver: if they decrease off its "
+        "axis, state attenuation.half_power_angle_rad (half of the beam width at -3 dB, with a sigma)");
   warn_of_correlation(estimate, growth, threads, solution);
 }
 

@@ -125,9 +125,8 @@ std::vector<std::string> bearings_in_doubt(const Problem& problem,
   for (std::size_t b = 0; b < all.size(); ++b)
     if (all[b] >= kEnoughBearings && static_cast<double>(out[b]) > kMostly * static_cast<double>(all[b]))
       warnings.push_back(
-          fmt::format("beacon {}: {} of {} bearings do not fit its place and are left out; its place is in "
-                      "doubt, check its label and "
-                      "from where it is heard",
+          fmt::format("beacon {}: {} of {} bearings do not fit its position and are left out; its position "
+                      "is in doubt, check its label and where it is received",
                       problem.site.beacons[b].name, out[b], all[b]));
   return warnings;
 }

@@ -92,8 +92,7 @@ void add_left_out(const ReportInput& input, std::vector<std::string>& steps) {
                     no_pose, all));
   else if (late + early >= other && late > 2 * early)
     steps.push_back(
-        fmt::format("Look for what reflects the sound or stands in its way: {} of {} arrivals were left out, "
-                    "{} of them late.",
+        fmt::format("Look for reflectors and obstacles: {} of {} arrivals were left out, {} of them late.",
                     left_out, all, late));
   else if (late + early >= other && late + early > 0)
     steps.push_back(
@@ -126,7 +125,7 @@ void add_verification(const ReportInput& input, std::vector<std::string>& steps)
   } else if (!input.evaluation->pass()) {
     steps.emplace_back(input.evaluation->matched == 0
                            ? "Record a held-out run whose truth.tum covers the fixes in time."
-                           : "Fixes are outside their tolerance: look at the plan for where, and add a "
+                           : "Fixes are outside their tolerance: see the plan for their places, and add a "
                              "beacon or stations there.");
   } else if (input.evaluation->nees_mean && *input.evaluation->nees_mean > 3.0) {
     steps.push_back(

@@ -85,7 +85,7 @@ std::string sentence_of(const ReportInput& input, const BeaconCounts& n) {
   const Deployment& d = input.plan.deployment;
   if (is_contradicted(input))
     return contradictions_in_words(d.contradictions) +
-           "The result hangs on these statements: do not use it before they are settled.";
+           "The result depends on these assumptions: do not use it before the contradictions are resolved.";
   if (input.outcome != Outcome::kCalibrated) {
     const std::string why = !input.message.empty() ? input.message
                             : input.outcome == Outcome::kRefused

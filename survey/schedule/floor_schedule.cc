@@ -91,20 +91,20 @@ Result<FloorSchedule> floor_schedule(const SurveyModel& model, const Scene& scen
   out.reach_m = reach_m(model.hearing);
   if (!std::isfinite(out.reach_m))
     return fail({.file = scene.path,
-                 .found = "neither file nor scene say how far a pulse is heard",
+                 .found = "neither file nor scene state the range of a pulse",
                  .expected = "attenuation with a threshold_v, acoustics.range_m of a scene (--scene), or "
                              "gates.max_range_m of a site file",
-                 .advice = "a schedule waits until a pulse has gone, and nothing says when that is"});
+                 .advice = "a schedule waits until a pulse has decayed, which depends on its range"});
   out.height_m = options.height_m.value_or(hall_height_m(model));
   out.reverberance = reverberance_of(model, options, out.height_m);
   if (!(model.hearing.threshold_v > 0))
     out.warnings.push_back(
-        "no threshold is stated: a pulse is taken to weaken with the distance alone and to be heard exactly "
-        "as far as the range says");
+        "no threshold is stated: a pulse is assumed to weaken with the distance only and to be received "
+        "exactly up to the range");
   if (model.clock == Clock::kCycleOffset)
     out.warnings.push_back(
-        "receivers without a common clock tell beacons by their turn: of beacons that fire together they "
-        "must know by their place which one it is");
+        "receivers without a common clock identify beacons by their turn: beacons that fire together must be "
+        "distinguished by the position of the vehicle");
   const double cell_m = std::max(scene.cell_m, std::sqrt(std::abs(signed_area_m2(model.floor_m)) / kCells));
   const auto grid = make_floor_grid(model, scene, cell_m);
   if (!grid) return fail(grid.error());

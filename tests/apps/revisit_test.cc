@@ -111,8 +111,9 @@ TEST_F(SecondVisit, LocalizeAndVerifyNameWhoseArrivalsTheyDoWithout) {
   EXPECT_THAT(localize("-q").out, ::testing::Not(HasSubstr("octant monitor")));
   EXPECT_THAT(localize("-q").out, HasSubstr("written          " + out("f.csv")));
   delay("B4", 400e-6);
-  EXPECT_THAT(localize("-q").out, ::testing::ContainsRegex("Look at whose arrivals were left out: [0-9]+ of "
-                                                           "[0-9]+ of B4"));
+  EXPECT_THAT(localize("-q").out,
+              ::testing::ContainsRegex("Inspect the beacons whose arrivals were left out: [0-9]+ of "
+                                       "[0-9]+ of B4"));
   EXPECT_GT(localize("--json").json()["left_out"]["arrivals"]["by_beacon"]["B4"].get<int>(), 4);
   EXPECT_THAT(octant({"verify", out("d.json"), visit()}).out, HasSubstr(" of B4. octant"));
 }

@@ -35,7 +35,7 @@ int run(const MonitorArgs& args, Session& session) {
   }
   for (const Silence& silent : visit.revisit.silent) {
     changes.push_back(in_words(silent));
-    remedies.push_back(fmt::format("look at {} on site", silent.subject));
+    remedies.push_back(fmt::format("inspect {} on site", silent.subject));
   }
   object["action"] = !changes.empty();
   if (changes.empty()) return session.finish(object);

@@ -41,8 +41,8 @@ std::string left_out_text(const std::vector<LeftOutOfBeacon>& beacons) {
     if (b.left_out >= kSome && 2 * b.left_out > b.heard)
       who += fmt::format("{}{} of {} of {}", who.empty() ? "" : ", ", b.left_out, b.heard, b.name);
   if (who.empty()) return {};
-  return named_line("next",
-                    "Look at whose arrivals were left out: " + who + ". octant monitor tells what changed.");
+  return named_line("next", "Inspect the beacons whose arrivals were left out: " + who +
+                                ". octant monitor finds what changed.");
 }
 
 Json left_out_json(const std::vector<LeftOutOfBeacon>& beacons) {

@@ -70,14 +70,14 @@ std::string in_words(const Silence& s) {
 
 std::string remedy_of(const Change& c) {
   switch (c.kind) {
-    case ChangeKind::kBeaconMoved: return fmt::format("look at {} on site, then recalibrate", c.subject);
+    case ChangeKind::kBeaconMoved: return fmt::format("inspect {} on site, then recalibrate", c.subject);
     case ChangeKind::kDelay:
       if (c.subject == kAllBeaconsSubject)
-        return "if the vehicle's electronics or the synchronisation were changed, recalibrate; else look at "
+        return "if the vehicle's electronics or the synchronisation were changed, recalibrate; else inspect "
                "them";
-      return fmt::format("if {} was replaced, recalibrate; else look at its electronics", c.subject);
+      return fmt::format("if {} was replaced, recalibrate; else inspect its electronics", c.subject);
     case ChangeKind::kReceiver:
-      return fmt::format("look at receiver {}: straighten it, or recalibrate", c.subject);
+      return fmt::format("inspect receiver {}: straighten it, or recalibrate", c.subject);
     case ChangeKind::kSpeed: return "compare the thermometer with another one";
     case ChangeKind::kExchanged:
       return fmt::format("compare the labels of {} with the plan, then recalibrate", c.subject);

@@ -169,7 +169,7 @@ TEST(BearingsInDoubt, NameTheBeaconMostOfWhoseLabelledBearingsDoNotFit) {
   see(-1, 10, 10);                     // of nobody
   const auto words = calib::bearings_in_doubt(problem, out);
   ASSERT_EQ(words.size(), 1U);
-  EXPECT_THAT(words[0], HasSubstr("beacon B1: 6 of 10 bearings do not fit its place"));
+  EXPECT_THAT(words[0], HasSubstr("beacon B1: 6 of 10 bearings do not fit its position"));
 }
 
 }  // namespace

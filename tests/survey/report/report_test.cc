@@ -239,7 +239,7 @@ TEST(Report, NextStepsSayWhatMostArrivalsWereLeftOutFor) {
   const LeftOutNote late{"late (echo)", 600, LeftOutCause::kLate},
       early{"early (spurious)", 500, LeftOutCause::kEarly},
       no_pose{"no vehicle pose at its time", 649, LeftOutCause::kNoPose}, rows{"not a number", 900};
-  EXPECT_THAT(step_with({late}), HasSubstr("reflects the sound or stands in its way: 600 of 1600"));
+  EXPECT_THAT(step_with({late}), HasSubstr("Look for reflectors and obstacles: 600 of 1600"));
   EXPECT_THAT(step_with({late, early}),
               HasSubstr("swapped channels: 1100 of 2100 arrivals were left out, 600 late"));
   EXPECT_THAT(step_with({{"late (echo)", 30, LeftOutCause::kLate}, no_pose}),
