@@ -133,6 +133,7 @@ NormalEquations normal_equations(const Trajectory& t, const Segment& segment, co
 
 NodeAdjustment adjust_node(Trajectory& t, const Segment& segment, const SharedState& state,
                            double range_uncertainty_m, int max_iterations) {
+  constexpr double kOvershot = 0.25;
   NodeAdjustment out;
   Node& node = t.nodes[segment.first_node];
   NormalEquations eq = normal_equations(t, segment, state, range_uncertainty_m);
@@ -151,9 +152,11 @@ NodeAdjustment adjust_node(Trajectory& t, const Segment& segment, const SharedSt
     const double gain = -0.5 * eq.g.dot(step);
     const NormalEquations next = normal_equations(t, segment, state, range_uncertainty_m);
     if (next.cost <= eq.cost * (1.0 + 1e-12) + 1e-20) {
-      out.converged = gain <= 1e-10 * (1.0 + eq.cost) && lambda < 1e-3;
+      out.converged = gain * (1.0 + lambda) <= 1e-10 * (1.0 + eq.cost);  // damping shortens the step
+      // Gauss-Newton steps overshoot where residuals are large beside the distances.
+      const bool overshot = eq.cost - next.cost < kOvershot * gain;
+      lambda = overshot ? std::max(4.0 * lambda, 0.1) : lambda < 1e-6 ? 0.0 : 0.1 * lambda;
       eq = next;
-      lambda = lambda < 1e-6 ? 0.0 : 0.1 * lambda;
     } else {
       node = before;
       out.converged = gain <= 1e-8 * (1.0 + eq.cost);  // remaining gain is rounding error

@@ -102,5 +102,22 @@ TEST(LeastSquaresLocalizer, ManyRowsAreNoFault) {
   EXPECT_LT(position_error_m(fix.T_map_vehicle, truth), 1e-3);
 }
 
+// Gauss-Newton steps overshoot where residuals are large beside the distances, as by WiFi in a room.
+TEST(LeastSquaresLocalizer, ConvergesWithResidualsAsLargeAsTheDistances) {
+  Deployment d = with_receiver(hall(6), {0.0, 0.0, 0.0});
+  constexpr double kSigma_s = 2.5 / 343.7;
+  d.noise.tof_sigma_s = kSigma_s;
+  LeastSquaresLocalizer localizer(d);
+  std::mt19937_64 random(kSeed);
+  int not_converged = 0;
+  for (int epoch = 0; epoch < 1000; ++epoch) {
+    const auto arrivals = hear(d, random_pose(random), {.range_m = 30.0, .noise_s = kSigma_s}, random);
+    Fix fix;
+    localizer.locate({arrivals, {}}, fix);
+    not_converged += fix.status == FixStatus::kNotConverged;
+  }
+  EXPECT_LE(not_converged, 2);
+}
+
 }  // namespace
 }  // namespace octant
