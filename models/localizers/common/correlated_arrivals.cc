@@ -25,6 +25,7 @@ CorrelatedArrivals::CorrelatedArrivals(Trajectory& t, const Segment& segment, co
   if (!noise.any()) return;
   for (std::size_t i = segment.first_arrival; i < segment.last_arrival; ++i) {
     single_s_.push_back(t.arrivals[i].sigma_s);
+    tail_s_.push_back(0.0);
     by_pair_.push_back(i);
   }
   const auto key = [&t](std::size_t i) {
@@ -34,9 +35,28 @@ CorrelatedArrivals::CorrelatedArrivals(Trajectory& t, const Segment& segment, co
   std::ranges::sort(by_pair_, [&key](std::size_t a, std::size_t b) { return key(a) < key(b); });
 }
 
+bool CorrelatedArrivals::widen_tails(const SharedState& state) {
+  bool changed = false;
+  for (std::size_t i = 0; i < single_s_.size(); ++i) {
+    const ArrivalObservation& a = trajectory_.arrivals[segment_.first_arrival + i];
+    if (a.rejection != Rejection::kUsed) continue;
+    const double before_s = std::max(single_s_[i], tail_s_[i]);
+    tail_s_[i] = single_s_[i] * std::abs(arrival_residual(trajectory_, a, state)) / kTailSigmas;
+    const double now_s = std::max(single_s_[i], tail_s_[i]);
+    changed = changed || std::abs(now_s - before_s) > kTailChanged * before_s;
+  }
+  return changed;
+}
+
+void CorrelatedArrivals::narrow_tails() { std::ranges::fill(tail_s_, 0.0); }
+
 void CorrelatedArrivals::weigh() {
   restore();
   std::vector<ArrivalObservation>& arrivals = trajectory_.arrivals;
+  for (std::size_t i = 0; i < tail_s_.size(); ++i) {
+    double& sigma_s = arrivals[segment_.first_arrival + i].sigma_s;
+    sigma_s = std::max(sigma_s, tail_s_[i]);
+  }
   const auto same_pair = [&arrivals](std::size_t a, std::size_t b) {
     return arrivals[a].beacon == arrivals[b].beacon && arrivals[a].receiver == arrivals[b].receiver;
   };

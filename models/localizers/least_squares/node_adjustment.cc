@@ -288,11 +288,12 @@ NodeAdjustment adjust_and_reject(Trajectory& t, const Segment& segment, const Ep
                                  double range_uncertainty_m, double sigmas, CorrelatedArrivals& weights) {
   // The search ends near the optimum, not at it: the first gates are wider.
   constexpr double kFirstGate = 1.5;
-  constexpr int kOutlierRounds = 8;
+  constexpr int kOutlierRounds = 8, kTailRounds = 10;
   const auto adjust = [&] {
     weights.weigh();
     return adjust_node(t, segment, model.state, range_uncertainty_m);
   };
+  weights.narrow_tails();
   reject_arrivals(t, segment, model, range_uncertainty_m, kFirstGate * sigmas);
   reject_bearings(t, segment, model, range_uncertainty_m, 2 * kFirstGate * sigmas);
   NodeAdjustment adjustment = adjust();
@@ -302,6 +303,10 @@ NodeAdjustment adjust_and_reject(Trajectory& t, const Segment& segment, const Ep
     const bool bearings = reject_bearings(t, segment, model, range_uncertainty_m, sigmas);
     if (!arrivals && !bearings) break;
     adjustment = adjust();
+  }
+  for (int round = 0; round < kTailRounds && weights.widen_tails(model.state); ++round) {
+    adjustment = adjust();
+    weights.restore();
   }
   weights.weigh();
   return adjustment;

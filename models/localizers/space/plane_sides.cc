@@ -124,7 +124,8 @@ class Sides {
     // Starts in the plane, so that neither side is preferred.
     const Eigen::Vector3d place = steps_[begin].smoothed.x.head<3>();
     const Eigen::Vector3d start = place - setting_.plane.height_m(place) * setting_.plane.normal;
-    SpaceFilter part(ranges_, setting_, first_ + begin, start, density_);
+    SpaceFilter part(ranges_, setting_, first_ + begin, start_at(start, Eigen::Matrix3d::Zero(), setting_),
+                     density_);
     part.linearise_at(about);
     return part.iterate(first_ + end);
   }

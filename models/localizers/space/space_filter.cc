@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "models/localizers/common/correlated_arrivals.h"
 #include "models/physics/plane.h"
 
 namespace octant {
@@ -25,24 +26,26 @@ bool is_candidate(const SpaceRange& r) {
 }  // namespace
 
 SpaceFilter::SpaceFilter(SpaceRanges& ranges, const SpaceSetting& setting, std::size_t first,
-                         const Eigen::Vector3d& start, double density)
+                         const SpaceStart& start, double density)
     : ranges_(ranges), setting_(setting), first_(first), density_(density) {
   const Eigen::Index n = setting.size;
   const Eigen::Index p = setting.calibration.covariance().rows();
   now_.x = Eigen::VectorXd::Zero(n);
-  now_.x.head<3>() = start;
+  now_.x.head<3>() = start.p_map_m;
   now_.P = Eigen::MatrixXd::Zero(n, n);
-  now_.P.diagonal().head<3>().setConstant(square(setting.extent_m));
+  now_.P.topLeftCorner<3, 3>() = start.covariance_m2;
   now_.P.diagonal().segment<3>(3).setConstant(square(setting.options.speed_sigma_mps));
   now_.P.diagonal().tail(n - 6).setConstant(square(setting.bias_sigma_m));
   now_.M = Eigen::MatrixXd::Zero(n, p <= kMostCalibrated ? p : 0);
   start_ = now_;
-  height_m_ = start.z();
+  height_m_ = start.p_map_m.z();
 }
 
 std::size_t SpaceFilter::filter(std::size_t end) {
   steps_.clear();
   now_ = start_;
+  // The accuracy of the start serves the first rejections only, because its arrivals count again.
+  if (!about_.empty()) now_.P.topLeftCorner<3, 3>() = square(setting_.extent_m) * Eigen::Matrix3d::Identity();
   likelihood_ = 0.0;
   since_held_s_ = INFINITY;
   std::vector<bool> recent;
@@ -77,6 +80,7 @@ void SpaceFilter::smooth() {
     out.M = here.M + G * (told.M - ahead.M);
   }
   linearise_at(steps_);
+  about_own_ = true;
 }
 
 double SpaceFilter::iterate(std::size_t end) {
@@ -89,7 +93,42 @@ double SpaceFilter::iterate(std::size_t end) {
   return whole ? likelihood_ : -INFINITY;
 }
 
+bool SpaceFilter::widen_tails(double power) {
+  constexpr double kWindow = 0.25;  ///< in correlation times, within which a lasting error hardly changes
+  const double window_s = kWindow * setting_.bias_time_s;
+  bool changed = false;
+  std::vector<double> near_m;
+  for (std::vector<TrackError>& errors : errors_by_beacon())
+    for (std::size_t i = 0, first = 0, last = 0; i < errors.size(); ++i) {
+      while (errors[first].time_s < errors[i].time_s - window_s) ++first;
+      while (last < errors.size() && errors[last].time_s <= errors[i].time_s + window_s) ++last;
+      near_m.clear();
+      for (std::size_t j = first; j < last; ++j) near_m.push_back(errors[j].error_m);
+      const auto middle = near_m.begin() + static_cast<std::ptrdiff_t>(near_m.size() / 2);
+      std::ranges::nth_element(near_m, middle);
+      double& widening = errors[i].range->widening;
+      const double before = widening;
+      widening = std::pow(std::max(1.0, std::abs(*middle) / (kTailSigmas * setting_.bias_sigma_m)), power);
+      changed = changed || std::abs(widening - before) > kTailChanged * before;
+    }
+  return changed;
+}
+
+std::vector<std::vector<SpaceFilter::TrackError>> SpaceFilter::errors_by_beacon() {
+  std::vector<std::vector<TrackError>> errors(setting_.bias.size());
+  for (std::size_t k = 0; k < steps_.size(); ++k)
+    for (std::size_t i = ranges_.instants[first_ + k].first; i < ranges_.instants[first_ + k].last; ++i) {
+      SpaceRange& r = ranges_.all[i];
+      if (!is_candidate(r) || setting_.bias[r.arrival.beacon.index()] < 0) continue;
+      const double length_m = (steps_[k].smoothed.x.head<3>() - r.p_beacon_m).norm();
+      errors[r.arrival.beacon.index()].push_back(
+          {ranges_.instants[first_ + k].time_s, r.distance.range_m - length_m, &r});
+    }
+  return errors;
+}
+
 void SpaceFilter::linearise_at(const std::vector<SpaceStep>& steps) {
+  about_own_ = false;
   about_.clear();
   for (const SpaceStep& s : steps) about_.push_back(s.smoothed.x);
 }
@@ -149,12 +188,19 @@ bool SpaceFilter::update(SpaceRange& r, std::size_t k) {
   Eigen::VectorXd H = Eigen::VectorXd::Zero(setting_.size);
   H.head<3>() = u;
   const int bias = setting_.bias[r.arrival.beacon.index()];
-  if (bias >= 0) H[bias] = 1.0;
+  if (bias >= 0) H[bias] = r.widening;
   const double innovation = r.distance.range_m - length - H.dot(now_.x) + u.dot(p);
-  const double S = H.dot(now_.P * H) + r.variance_m2, squares = square(innovation) / S;
+  const double own_m2 = H.dot(now_.P * H), S = own_m2 + r.variance_m2, squares = square(innovation) / S;
   const double limit = square(setting_.options.rejection_sigmas);
   likelihood_ -= 0.5 * (std::min(squares, limit) + std::log(S));
-  r.rejection = squares <= limit ? Rejection::kUsed : innovation > 0 ? Rejection::kLate : Rejection::kEarly;
+  bool agrees = squares <= limit;
+  if (agrees && again && about_own_) {
+    // A state that is wider than the gate of a range, as at the start, agrees with any. The smoothed track
+    // does not.
+    const double range_m2 = r.variance_m2 + (bias >= 0 ? square(r.widening * setting_.bias_sigma_m) : 0.0);
+    agrees = own_m2 < limit * range_m2 || square(r.distance.range_m - length) <= limit * range_m2;
+  }
+  r.rejection = agrees ? Rejection::kUsed : innovation > 0 ? Rejection::kLate : Rejection::kEarly;
   if (r.rejection != Rejection::kUsed) return false;
   correct(H, innovation, r.variance_m2, by_calibration(r, u));
   return true;

@@ -29,8 +29,8 @@ struct SpaceStep {
 class SpaceFilter {
  public:
   /// @param density  spectral density of the acceleration [m^2/s^3]
-  SpaceFilter(SpaceRanges& ranges, const SpaceSetting& setting, std::size_t first,
-              const Eigen::Vector3d& start, double density);
+  SpaceFilter(SpaceRanges& ranges, const SpaceSetting& setting, std::size_t first, const SpaceStart& start,
+              double density);
 
   /// Filters up to the instant `end`, or until the track is lost, and marks the ranges. Linearises at the
   /// smoothed track if there is one, else at the prediction.
@@ -40,6 +40,12 @@ class SpaceFilter {
   /// Filters up to `end` and smooths repeatedly, each time linearised at the previous track.
   /// @return log likelihood of the arrivals; -infinity if the track was lost
   double iterate(std::size_t end);
+  /// Widens the sigma of a beacon's lasting error where the median of its errors beside the smoothed track
+  /// exceeds two sigmas, rejected arrivals included: the sigma becomes half of the median, as that of single
+  /// epochs does (CorrelatedArrivals::widen_tails). A path that is late for seconds then moves the track
+  /// little.
+  /// @return true if a sigma has changed by more than a tenth
+  bool widen_tails(double power);
   /// Sets the steps at which the next filter() linearises.
   void linearise_at(const std::vector<SpaceStep>& steps);
 
@@ -47,6 +53,11 @@ class SpaceFilter {
   [[nodiscard]] const std::vector<SpaceStep>& steps() const { return steps_; }
 
  private:
+  struct TrackError {
+    double time_s, error_m;  ///< measured minus geometric range
+    SpaceRange* range;
+  };
+  [[nodiscard]] std::vector<std::vector<TrackError>> errors_by_beacon();
   [[nodiscard]] Eigen::MatrixXd predict(double dt);
   void hold_within_site(double dt);
   void correct(const Eigen::VectorXd& H, double innovation, double variance,
@@ -62,6 +73,7 @@ class SpaceFilter {
   SpaceBelief start_, now_;
   std::vector<SpaceStep> steps_;
   std::vector<Eigen::VectorXd> about_;  ///< smoothed states to linearise at
+  bool about_own_ = false;              ///< they are those of this filter
 };
 
 }  // namespace octant

@@ -30,7 +30,7 @@ class PlaceSearch {
   PlaceSearch(const SpaceRanges& ranges, std::size_t first, std::size_t last, const SpaceSetting& setting)
       : ranges_(ranges), first_(first), last_(last), setting_(setting) {}
 
-  [[nodiscard]] std::optional<Eigen::Vector3d> best() const {
+  [[nodiscard]] std::optional<SpaceStart> best() const {
     std::set<std::size_t> beacons;
     for (std::size_t i = first_; i < last_; ++i)
       if (ranges_.all[i].rejection == Rejection::kUsed) beacons.insert(ranges_.all[i].arrival.beacon.index());
@@ -49,7 +49,12 @@ class PlaceSearch {
     Eigen::Vector3d place = found.front().second;
     for (const auto& [cost, p] : found)
       if (cost < found.front().first + kAlike && is_likelier(p, place)) place = p;
-    return place;
+    // The arrivals of a beacon share its lasting error.
+    Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d g = Eigen::Vector3d::Zero();
+    accumulate(place, &H, &g);
+    return start_at(place, H * (static_cast<double>(beacons.size()) / static_cast<double>(last_ - first_)),
+                    setting_);
   }
 
  private:
@@ -209,7 +214,7 @@ namespace {
 
 SpaceRange range_of(const Arrival& a, const SpaceSetting& setting) {
   const Deployment& d = setting.deployment;
-  SpaceRange r{a, arrival_range(a, d), d.beacons[a.beacon.index()].position_m, 0.0, Rejection::kUsed};
+  SpaceRange r{a, arrival_range(a, d), d.beacons[a.beacon.index()].position_m};
   if (d.beacons[a.beacon.index()].status == BeaconStatus::kUndetermined)
     r.rejection = Rejection::kBeaconUnusable;
   if (!std::isfinite(r.distance.range_m)) r.rejection = Rejection::kOutOfRange;
@@ -253,10 +258,18 @@ SpaceRanges ranges_in_space(const MeasurementLog& log, VehicleId vehicle, SpaceS
   return ranges;
 }
 
-std::optional<Eigen::Vector3d> place_in_space(const SpaceRanges& ranges, std::size_t k,
-                                              const SpaceSetting& setting) {
+SpaceStart start_at(const Eigen::Vector3d& p_map_m, const Eigen::Matrix3d& information_per_m2,
+                    const SpaceSetting& setting) {
+  constexpr double kWider = 3.0;  ///< in sigmas, for the motion within the arrivals of the start
+  const Eigen::Matrix3d information =
+      information_per_m2 / square(kWider) + Eigen::Matrix3d::Identity() / square(setting.extent_m);
+  return {p_map_m, information.inverse()};
+}
+
+std::optional<SpaceStart> place_in_space(const SpaceRanges& ranges, std::size_t k,
+                                         const SpaceSetting& setting) {
   const std::size_t first = ranges.instants[k].first;
-  std::optional<Eigen::Vector3d> place;
+  std::optional<SpaceStart> place;
   for (const double span_s : {0.1, 0.3, 1.0, kSearch_s}) {
     std::size_t last = ranges.instants[k].last, count = 0;
     std::set<std::size_t> beacons;

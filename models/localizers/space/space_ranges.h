@@ -23,6 +23,7 @@ struct SpaceRange {
   ArrivalRange distance;
   Eigen::Vector3d p_beacon_m;
   double variance_m2 = 0.0;  ///< white noise, including the unknown attitude of the lever arm
+  double widening = 1.0;     ///< factor of its lasting error's sigma, see SpaceFilter::widen_tails()
   Rejection rejection = Rejection::kUsed;
 };
 
@@ -77,10 +78,20 @@ struct SpaceRanges {
 [[nodiscard]] SpaceRanges ranges_in_space(const MeasurementLog& log, VehicleId vehicle,
                                           SpaceSetting& setting);
 
+/// Position at which a track begins, and its covariance for the first rejections.
+struct SpaceStart {
+  Eigen::Vector3d p_map_m;
+  Eigen::Matrix3d covariance_m2;
+};
+
+/// Start of a track at a position of known accuracy.
+[[nodiscard]] SpaceStart start_at(const Eigen::Vector3d& p_map_m, const Eigen::Matrix3d& information_per_m2,
+                                  const SpaceSetting& setting);
+
 /// Initial position of the vehicle at an instant from the ranges of the next seconds, over growing times
 /// until it is unique: robust Gauss-Newton from points around the beacons. No value for fewer than three
 /// beacons.
-[[nodiscard]] std::optional<Eigen::Vector3d> place_in_space(const SpaceRanges& ranges, std::size_t instant,
-                                                            const SpaceSetting& setting);
+[[nodiscard]] std::optional<SpaceStart> place_in_space(const SpaceRanges& ranges, std::size_t instant,
+                                                       const SpaceSetting& setting);
 
 }  // namespace octant

@@ -24,6 +24,7 @@ namespace {
 constexpr std::size_t kPoseArrivals =
     7;  ///< number of arrivals at an instant for a checked pose with six degrees of freedom
 constexpr std::ptrdiff_t kAttitudeReceivers = 3;  ///< receivers of a vehicle that determine its attitude
+constexpr int kTailRounds = 6;             ///< most rounds in which sigmas of lasting errors are widened
 constexpr int kMostSides = 4;              ///< number of rounds in which the sides of a track are examined
 constexpr std::size_t kFewestBeacons = 3;  ///< number of beacons that determine a position in space
 /// Candidate densities of the white-noise acceleration [m^2/s^3]: from a carried tripod to a racing drone.
@@ -46,8 +47,10 @@ class SpaceTracker {
         continue;
       }
       Fix alone = fix_alone(k);
-      std::optional<Eigen::Vector3d> start;
-      if (alone.ok()) start = alone.T_map_vehicle.translation_m;
+      std::optional<SpaceStart> start;
+      if (alone.protection_level_m > 0.0)
+        start = start_at(alone.T_map_vehicle.translation_m, alone.covariance.topLeftCorner<3, 3>().inverse(),
+                         setting_);
       if (!start) start = place_in_space(ranges_, k, setting_);
       const std::size_t next = start ? follow(k, *start, fixes) : k;
       if (next <= k) fixes.push_back(std::move(alone));
@@ -57,7 +60,7 @@ class SpaceTracker {
 
  private:
   /// @return one past the last tracked instant
-  std::size_t follow(std::size_t k, const Eigen::Vector3d& start, std::vector<Fix>& fixes) {
+  std::size_t follow(std::size_t k, const SpaceStart& start, std::vector<Fix>& fixes) {
     double most = -INFINITY, density = kDensities.front();
     std::size_t end = k;
     for (const double tried : kDensities) {
@@ -68,22 +71,68 @@ class SpaceTracker {
       most = track.likelihood();
       density = tried;
     }
+    std::optional<SpaceFilter> found;
+    for (std::size_t agreed = end; end > k + 1; end = agreed) {
+      found.emplace(track_until(end, k, start, density));
+      agreed = contradicted_from(k, found->steps());
+      if (agreed == k + found->steps().size()) break;
+    }
+    if (end <= k + 1) return k;
     // The arrivals that led to the loss belong to the next track.
     const bool lost = end < ranges_.instants.size();
-    if (end <= k + 1) return k;
-    SpaceFilter track(ranges_, setting_, k, start, density);
-    track.iterate(end);
-    choose_sides(track, k, density, end);
-    std::size_t kept = track.steps().size();
+    const std::vector<SpaceStep>& steps = found->steps();
+    std::size_t kept = steps.size();
     while (lost && kept > 0 && !is_heard(k + kept - 1)) --kept;
     if (!is_supported(k, k + kept, lost)) return k;
-    const std::vector<SpaceStep>& steps = track.steps();
     const bool side_is_open = comes_near_the_plane(steps);
     const std::size_t before = fixes.size();
     for (std::size_t j = 0; j < kept; ++j) fixes.push_back(fix_at(k + j, steps[j].smoothed, side_is_open));
     if (setting_.options.protect && kept > 0)
       protect(steps, k, start, density, std::span(fixes).subspan(before));
     return k + kept;
+  }
+
+  /// Track of instants [k, end), with the sides of the beacons' plane and the sigmas of lasting errors.
+  [[nodiscard]] SpaceFilter track_until(std::size_t end, std::size_t k, const SpaceStart& start,
+                                        double density) {
+    for (std::size_t i = ranges_.instants[k].first; i < ranges_.all.size(); ++i)
+      ranges_.all[i].widening = 1.0;
+    SpaceFilter track(ranges_, setting_, k, start, density);
+    track.iterate(end);
+    choose_sides(track, k, density, end);
+    // Weights that decrease with the root of the error have a single solution, at which the others begin.
+    for (const double power : {0.5, 1.0})
+      for (int round = 0; round < kTailRounds && track.widen_tails(power); ++round) {
+        track.filter(end);
+        track.smooth();
+      }
+    return track;
+  }
+
+  /// First instant at which fixes of single instants contradict the track and agree with more arrivals; one
+  /// past its last instant if there is none. A path that becomes late slowly can lead a track away from all
+  /// other beacons.
+  [[nodiscard]] std::size_t contradicted_from(std::size_t k, const std::vector<SpaceStep>& steps) {
+    constexpr int kInARow = 3;
+    int contradictions = 0;
+    std::size_t first = k;
+    for (std::size_t j = k; j < k + steps.size(); ++j) {
+      const std::size_t agreeing = agreeing_at(j);
+      if (agreeing == ranges_.instants[j].last - ranges_.instants[j].first) continue;
+      const Fix alone = fix_alone(j);
+      if (!(alone.protection_level_m > 0.0)) continue;
+      const SpaceBelief& belief = steps[j - k].smoothed;
+      const Eigen::Vector3d off = alone.T_map_vehicle.translation_m - belief.x.head<3>();
+      const Eigen::Matrix3d P = alone.covariance.topLeftCorner<3, 3>() + belief.P.topLeftCorner<3, 3>();
+      if (static_cast<std::size_t>(alone.arrivals_used) <= agreeing ||
+          off.dot(P.ldlt().solve(off)) < square(kAtFaultSigmas)) {
+        contradictions = 0;
+        continue;
+      }
+      if (contradictions++ == 0) first = j;
+      if (contradictions == kInARow) return first;
+    }
+    return k + steps.size();
   }
 
   /// Chooses sides of the beacons' plane, as long as others are more likely over the whole track.
@@ -107,8 +156,8 @@ class SpaceTracker {
   /// beacons, filtered and smoothed again from its start, with its outliers determined again (solution
   /// separation, separation.h). If a single beacon determines the side of the others' plane, the side is lost
   /// without it.
-  void protect(const std::vector<SpaceStep>& steps, std::size_t k, const Eigen::Vector3d& start,
-               double density, std::span<Fix> fixes) {
+  void protect(const std::vector<SpaceStep>& steps, std::size_t k, const SpaceStart& start, double density,
+               std::span<Fix> fixes) {
     const auto ranges = std::span(ranges_.all)
                             .subspan(ranges_.instants[k].first,
                                      ranges_.instants[k + fixes.size() - 1].last - ranges_.instants[k].first);
@@ -178,6 +227,14 @@ class SpaceTracker {
         outliers += is_outlier(ranges_.all[i].rejection);
       }
     return used > outliers && (!lost || used >= kFewestBeforeLoss);
+  }
+
+  /// Number of arrivals of an instant that agree with the track without a wider sigma.
+  [[nodiscard]] std::size_t agreeing_at(std::size_t k) const {
+    std::size_t count = 0;
+    for (std::size_t i = ranges_.instants[k].first; i < ranges_.instants[k].last; ++i)
+      count += ranges_.all[i].rejection == Rejection::kUsed && ranges_.all[i].widening <= 1.0;
+    return count;
   }
 
   [[nodiscard]] bool is_heard(std::size_t k) const {

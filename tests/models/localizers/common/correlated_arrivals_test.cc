@@ -105,6 +105,46 @@ TEST(CorrelatedArrivals, WithoutSuchNoiseStayAsTheyAre) {
   for (std::size_t i = 0; i < 40; ++i) EXPECT_EQ(t.arrivals[i].sigma_s, before.arrivals[i].sigma_s);
 }
 
+/// A node at the origin, and arrivals from a beacon at 10 m that deviate by these numbers of sigmas.
+Trajectory deviating_by(const std::vector<double>& sigmas, const SharedState& state) {
+  Trajectory t;
+  t.nodes.emplace_back();
+  for (const double s : sigmas) {
+    ArrivalObservation& a = t.arrivals.emplace_back();
+    a.beacon = BeaconId(0);
+    a.receiver = ReceiverId(0);
+    a.sigma_s = 1e-5;
+    a.model_speed_mps = 340.0;
+    a.tof_s = state.beacon_p_map_m[0].norm() / 340.0 + s * a.sigma_s;
+  }
+  return t;
+}
+
+TEST(CorrelatedArrivals, BeyondTwoSigmasGetHalfTheirResidualAsSigma) {
+  SharedState state;
+  state.beacon_p_map_m = {{10, 0, 0}};
+  state.receiver_p_vehicle_m = {{0, 0, 0}};
+  state.beacon_delay_s = {0.0};
+  state.receiver_delay_s = {0.0};
+  Trajectory t = deviating_by({0.5, -1.9, 3.0, -6.0, 9.0}, state);
+  t.arrivals[4].rejection = Rejection::kLate;
+  Segment all;
+  all.last_arrival = t.arrivals.size();
+  // The correlation is negligible, so that the sigmas of the tails alone remain.
+  CorrelatedArrivals sigmas(t, all, {.sigma_s = 1e-12, .time_s = 1.0}, CorrelatedArrivals::Side::kSame);
+  EXPECT_TRUE(sigmas.widen_tails(state));
+  sigmas.weigh();
+  const double want[] = {1e-5, 1e-5, 1.5e-5, 3e-5, 1e-5};
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(t.arrivals[i].sigma_s, want[i], 1e-11) << i;
+  sigmas.restore();
+  EXPECT_FALSE(sigmas.widen_tails(state)) << "the residuals are the same";
+  sigmas.narrow_tails();
+  sigmas.weigh();
+  EXPECT_NEAR(t.arrivals[3].sigma_s, 1e-5, 1e-11);
+  CorrelatedArrivals white(t, all, CorrelatedNoise{}, CorrelatedArrivals::Side::kSame);
+  EXPECT_FALSE(white.widen_tails(state));
+}
+
 TEST(CorrelatedNoise, TakesTheLargerBiasOfPairsAndAddsAllForOneArrival) {
   Deployment d;
   d.noise.tof_sigma_s = 1e-5;

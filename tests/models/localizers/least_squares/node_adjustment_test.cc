@@ -128,5 +128,28 @@ TEST(NodeAdjustment, MarksBeyondTheLimitAndReadmitsWellWithin) {
   EXPECT_EQ(a.rejection, Rejection::kEarly);
 }
 
+/// Error of a stop at which one of eight arrivals is 3.5 sigmas late and the others are exact.
+double error_with_a_late_arrival_m(const CorrelatedNoise& noise) {
+  const Deployment d = test::with_receiver(hall(), {0.0, 0.0, 0.3});
+  const EpochFixModel model = epoch_fix_model(d);
+  std::mt19937_64 random(1);
+  const Pose truth = random_pose(random);
+  Trajectory t;
+  set_epoch(t, hear(d, truth, {.range_m = 30.0}, random), {}, trajectory_model(d));
+  t.nodes[0].T_map_vehicle = truth;
+  t.nodes[0].placed = true;
+  t.arrivals[2].tof_s += 3.5 * t.arrivals[2].sigma_s;
+  CorrelatedArrivals weights(t, t.segments[0], noise, CorrelatedArrivals::Side::kSame);
+  EXPECT_TRUE(adjust_and_reject(t, t.segments[0], model, 0.0, 4.0, weights).converged);
+  EXPECT_EQ(t.arrivals[2].rejection, Rejection::kUsed);
+  return test::position_error_m(t.nodes[0].T_map_vehicle, truth);
+}
+
+// The weight of a residual of 3.5 sigmas is (2 / 3.5)^2 = 0.33, more where the arrival moves the fix.
+TEST(AdjustAndReject, GivesArrivalsBeyondTwoSigmasLessWeightWhereTheNoiseIsNotWhite) {
+  EXPECT_LT(error_with_a_late_arrival_m({.sigma_s = 1e-12, .time_s = 1.0}),
+            0.6 * error_with_a_late_arrival_m({}));
+}
+
 }  // namespace
 }  // namespace octant

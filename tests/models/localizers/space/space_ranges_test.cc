@@ -176,7 +176,7 @@ TEST(PlaceInSpace, IsWhereAllRangesMeet) {
     const SpaceRanges ranges = ranges_in_space(pings(d, p, 3), VehicleId(0), setting);
     const auto found = place_in_space(ranges, 0, setting);
     ASSERT_TRUE(found.has_value());
-    EXPECT_LT((*found - p).norm(), 0.01);  // it ends at a millionth of the extent, some steps before
+    EXPECT_LT((found->p_map_m - p).norm(), 0.01);  // it ends at a millionth of the extent, some steps before
   }
 }
 
@@ -185,9 +185,10 @@ TEST(PlaceInSpace, OfBeaconsInAPlaneIsAboveTheFloorAndBelowThem) {
   const SpaceTrackOptions options;
   SpaceSetting setting(d, options);
   const auto below = ranges_in_space(pings(d, {4, 3, 1}, 3), VehicleId(0), setting);
-  EXPECT_LT((*place_in_space(below, 0, setting) - Eigen::Vector3d(4, 3, 1)).norm(), 0.01) << "not at 7 m";
+  EXPECT_LT((place_in_space(below, 0, setting)->p_map_m - Eigen::Vector3d(4, 3, 1)).norm(), 0.01)
+      << "not at 7 m";
   const auto high = ranges_in_space(pings(d, {4, 3, 9}, 3), VehicleId(0), setting);
-  EXPECT_LT((*place_in_space(high, 0, setting) - Eigen::Vector3d(4, 3, 9)).norm(), 0.01)
+  EXPECT_LT((place_in_space(high, 0, setting)->p_map_m - Eigen::Vector3d(4, 3, 9)).norm(), 0.01)
       << "not under the floor";
 }
 
