@@ -151,6 +151,7 @@ Deployment deployment_head(const Site& site, const Solution& solution, const Pro
   d.noise = site.noise;
   d.tolerance = site.tolerance;
   d.validity_period = site.validity;
+  d.drift = site.drift;
   d.datum = solution.datum;
   d.statistics = solution.statistics;
   d.inputs = provenance.inputs;

@@ -52,10 +52,6 @@ struct Drift {
   double speed_mps = 0.3;      ///< offset of the medium's speed at a given temperature
   double log_gain = 0.02;      ///< natural logarithm of each beacon's amplitude
   double attenuation = 0.05;   ///< common amplitude, absorption and rise time, relative
-
-  /// Drift over a number of months: the defaults above plus, in quadrature, 0.1 mm, 0.3 us, 0.05 mm, 0.03
-  /// m/s, 0.5 % and 0.5 % for each month, as settling and ageing add.
-  [[nodiscard]] static Drift of_months(double months);
 };
 
 /// Parameters for which the earlier calibration was not used as a prior.

@@ -115,6 +115,7 @@ struct Deployment {
   /// if the recordings do not determine the reach of a beacon [m].
   std::optional<double> validity_reach_m;
   ValidityPeriod validity_period;  ///< as given in the site file; counted from `created`
+  DriftRates drift;                ///< as given in the site file
   std::vector<InputDigest> inputs;
   std::string program_version;
   std::string program_command;

@@ -174,6 +174,19 @@ struct ValidityPeriod {
   friend bool operator==(const ValidityPeriod&, const ValidityPeriod&) = default;
 };
 
+/// Drift between two visits, as standard deviations a year. Values that are not given are those of the kind
+/// of medium (drift_after in models/changes/change_sigmas.h).
+struct DriftRates {
+  std::optional<double> beacon_m_per_year{};    ///< each axis
+  std::optional<double> delay_m_per_year{};     ///< delay as the range that corresponds to it
+  std::optional<double> receiver_m_per_year{};  ///< each axis
+  std::optional<double> speed_mps_per_year{};   ///< speed of the medium at a given temperature
+  [[nodiscard]] bool given() const {
+    return beacon_m_per_year || delay_m_per_year || receiver_m_per_year || speed_mps_per_year;
+  }
+  friend bool operator==(const DriftRates&, const DriftRates&) = default;
+};
+
 /// Gates that are applied before the pose is known.
 struct Gates {
   double min_range_m = 0.0;                                      ///< d_min of Chang; 0: no gate
@@ -198,6 +211,7 @@ struct Site {
   std::vector<ControlDistance> distances;
   Tolerance tolerance;
   ValidityPeriod validity;
+  DriftRates drift;
   Gates gates;
   std::vector<std::string> warnings;  ///< warnings of the reader: ignored keys, assumptions made
   /// Blocks that are present in the site file. They are required unless there are no arrivals (bearings or

@@ -227,6 +227,13 @@ void read_validity(const JsonValue& json, Deployment& d) {
   d.validity_reach_m = optional_number(json.find("reach_m"), kPositive);
 }
 
+void read_drift(const JsonValue& json, Deployment& d) {
+  d.drift = {optional_number(json.find("beacon_m_per_year"), kNotNegative),
+             optional_number(json.find("delay_m_per_year"), kNotNegative),
+             optional_number(json.find("receiver_m_per_year"), kNotNegative),
+             optional_number(json.find("speed_mps_per_year"), kNotNegative)};
+}
+
 void read_provenance(const JsonValue& root, Deployment& d) {
   const JsonValue datum = root.at("datum");
   d.datum.description = datum.find("description").text();
@@ -365,6 +372,7 @@ Result<Deployment> deployment_from_json(const std::string& text, const std::stri
     read_covariance(root.at("covariance"), lookup, d.covariance);
     read_statistics(root.at("statistics"), d.statistics);
     read_validity(root.at("validity"), d);
+    read_drift(root.find("drift"), d);
     read_provenance(root, d);
     read_previous(root.find("previous"), lookup, d);
     read_contradictions(root.find("verdict"), d.contradictions);

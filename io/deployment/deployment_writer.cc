@@ -197,6 +197,12 @@ Json content_of(const Deployment& d) {
   json["statistics"] = statistics_json(d.statistics);
   json["tolerance"] = {{"beacon_m", d.tolerance.beacon_m}, {"fix_m", d.tolerance.fix_m}};
   json["validity"] = validity_json(d);
+  // Left out without values, so that older digests remain valid.
+  if (const DriftRates& drift = d.drift; drift.given())
+    json["drift"] = {{"beacon_m_per_year", drift.beacon_m_per_year},
+                     {"delay_m_per_year", drift.delay_m_per_year},
+                     {"receiver_m_per_year", drift.receiver_m_per_year},
+                     {"speed_mps_per_year", drift.speed_mps_per_year}};
   json["inputs"] = Json::array();
   for (const InputDigest& input : d.inputs)
     json["inputs"].push_back({{"path", input.path}, {"sha256", input.sha256}});

@@ -177,6 +177,15 @@ std::string site_to_yaml(const Site& site) {
     if (v.beacon_drift_m_per_month)
       fmt::format_to(out, "  beacon_drift_m_per_month: {}\n", *v.beacon_drift_m_per_month);
   }
+  if (const DriftRates& drift = site.drift; drift.given()) {
+    fmt::format_to(out, "drift:\n");
+    if (drift.beacon_m_per_year) fmt::format_to(out, "  beacon_m_per_year: {}\n", *drift.beacon_m_per_year);
+    if (drift.delay_m_per_year) fmt::format_to(out, "  delay_m_per_year: {}\n", *drift.delay_m_per_year);
+    if (drift.receiver_m_per_year)
+      fmt::format_to(out, "  receiver_m_per_year: {}\n", *drift.receiver_m_per_year);
+    if (drift.speed_mps_per_year)
+      fmt::format_to(out, "  speed_mps_per_year: {}\n", *drift.speed_mps_per_year);
+  }
   return text;
 }
 

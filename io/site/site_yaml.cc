@@ -194,6 +194,15 @@ void read_validity_period(YamlMap& root, Site& site, YamlLog& log) {
   validity.finish();
 }
 
+void read_drift(YamlMap& root, Site& site, YamlLog& log) {
+  YamlMap drift(root.block("drift"), "drift", log);
+  site.drift.beacon_m_per_year = drift.optional_number("beacon_m_per_year", kNotNegative);
+  site.drift.delay_m_per_year = drift.optional_number("delay_m_per_year", kNotNegative);
+  site.drift.receiver_m_per_year = drift.optional_number("receiver_m_per_year", kNotNegative);
+  site.drift.speed_mps_per_year = drift.optional_number("speed_mps_per_year", kNotNegative);
+  drift.finish();
+}
+
 BeaconId read_beacon_name(YamlMap& map, const char* key, const Site& site, YamlLog& log) {
   const std::string name = map.required_text(key);
   for (std::size_t i = 0; i < site.beacons.size(); ++i) {
@@ -274,6 +283,7 @@ Result<Site> site_from_yaml(const YamlNode& node, const std::string& file, bool 
   site.tolerance.fix_m = tolerance.optional_number("fix_m", kPositive);
   tolerance.finish();
   read_validity_period(root, site, log);
+  read_drift(root, site, log);
   root.get("scene");  // scene_yaml.cc's
   root.finish();
   if (log.error) return fail(*log.error);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 namespace octant {
 namespace {
@@ -60,15 +61,21 @@ ChangeSigmas released_sigmas(double speed_mps) {
   return {beacon_m, 10.0 / speed_mps, 1.0, 30.0, 3.0};
 }
 
-Drift drift_after(double months, double speed_mps) {
+Drift drift_after(double months, const DriftRates& rates, double speed_mps) {
   constexpr double kGainAYear = 0.06;
   const DriftOfKind kind = drift_of_kind(medium_kind(speed_mps));
   const double years = months > 0 ? months / 12.0 : 0.0;
   const auto total = [years](double at_once, double a_year) { return std::hypot(at_once, years * a_year); };
-  const auto of = [&total](const double(&drift)[2]) { return total(drift[0], drift[1]); };
+  const auto of = [&total](const double(&drift)[2], std::optional<double> rate) {
+    return total(drift[0], rate.value_or(drift[1]));
+  };
   const Drift gain;
-  return {of(kind.beacon_m),  of(kind.delay_m) / speed_mps,     of(kind.receiver_m),
-          of(kind.speed_mps), total(gain.log_gain, kGainAYear), total(gain.attenuation, kGainAYear)};
+  return {of(kind.beacon_m, rates.beacon_m_per_year),
+          of(kind.delay_m, rates.delay_m_per_year) / speed_mps,
+          of(kind.receiver_m, rates.receiver_m_per_year),
+          of(kind.speed_mps, rates.speed_mps_per_year),
+          total(gain.log_gain, kGainAYear),
+          total(gain.attenuation, kGainAYear)};
 }
 
 }  // namespace octant

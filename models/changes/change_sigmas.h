@@ -4,6 +4,7 @@
 
 #include "models/change.h"
 #include "models/parameter.h"
+#include "models/site.h"
 
 namespace octant {
 
@@ -38,7 +39,8 @@ enum class MediumKind { kAir, kWater, kRadio };
 /// | water | 20, 10, 5 mm, 0.5 m/s                  | 100, 20, 5 mm, 0.5 m/s      |
 /// | radio | 5, 20, 2 mm, 0.3 m/s                   | 5, 30, 2 mm, 0.36 m/s       |
 ///
-/// @param speed_mps  of the medium
-[[nodiscard]] Drift drift_after(double months, double speed_mps);
+/// @param rates  replace the values of a year
+/// @param speed_mps  speed of the medium, which determines its kind
+[[nodiscard]] Drift drift_after(double months, const DriftRates& rates, double speed_mps);
 
 }  // namespace octant

@@ -288,7 +288,8 @@ Eigen::MatrixXd released_covariance(const KnownParameters& known, const Released
 }
 
 Drift drift_between(const Deployment& before, const std::string& now) {
-  return drift_after(months_between(before.created, now), before.speed_mps(before.medium.temperature_degC));
+  return drift_after(months_between(before.created, now), before.drift,
+                     before.speed_mps(before.medium.temperature_degC));
 }
 
 double months_between(const std::string& before, const std::string& now) {

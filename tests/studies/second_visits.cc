@@ -5,7 +5,7 @@
 //   octant_second_visits [--sites 200] [--seed 1] [--threads 1] [--drift 1] [--told 1] [--event N]
 //   [--verbose]
 // Exit 1 if a requirement is not met within its binomial bound.
-// --drift: true drift as a multiple of that of six months (Drift::of_months); --told: the assumed multiple.
+// --drift: true drift as a multiple of that of six months (drift_after); --told: the assumed multiple.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -17,6 +17,7 @@
 #include "calib/calibrate.h"
 #include "calib/revisit/revisit.h"
 #include "models/changes/change_search.h"
+#include "models/changes/change_sigmas.h"
 #include "models/changes/chi_square.h"
 #include "models/support/parallel.h"
 #include "tests/studies/changed_site.h"
@@ -38,7 +39,7 @@ struct Words {
 };
 
 Drift of_six_months(double share) {
-  Drift d = Drift::of_months(kMonths);
+  Drift d = drift_after(kMonths, {}, 343.0);
   for (double* sigma : {&d.beacon_m, &d.delay_s, &d.receiver_m, &d.speed_mps, &d.log_gain, &d.attenuation})
     *sigma *= std::max(share, 1e-3);  // a prior of nothing at all has no inverse
   return d;

@@ -251,6 +251,8 @@ Deployment some_deployment() {
   if (*rc::gen::arbitrary<bool>()) d.validity_reach_m = 1 + std::abs(test::some_number());
   if (*rc::gen::arbitrary<bool>()) d.validity_area_m = {{0, 1}, {test::some_number(), 2}};
   d.validity_period = {test::maybe(test::some_positive()), test::maybe(test::some_positive())};
+  d.drift = {test::maybe(test::some_positive()), test::maybe(test::some_positive()),
+             test::maybe(test::some_positive()), test::maybe(test::some_positive())};
   d.inputs = {{test::some_name(3), std::string(64, 'a')}};
   d.program_version = "0.1.0";
   d.program_command = "octant calibrate 'a b'";
@@ -260,7 +262,8 @@ Deployment some_deployment() {
 void assert_same_validity(const Deployment& a, const Deployment& b) {
   RC_ASSERT(a.validity_temperature_degC == b.validity_temperature_degC &&
             a.validity_area_m == b.validity_area_m);
-  RC_ASSERT(a.validity_reach_m == b.validity_reach_m && a.validity_period == b.validity_period);
+  RC_ASSERT(a.validity_reach_m == b.validity_reach_m && a.validity_period == b.validity_period &&
+            a.drift == b.drift);
 }
 
 void assert_same(const Deployment& a, const Deployment& b) {

@@ -80,10 +80,13 @@ Site some_site() {
   s.tolerance = {test::maybe(test::some_positive()), test::maybe(test::some_positive())};
   s.validity.months = test::maybe(test::some_positive());
   if (s.tolerance.beacon_m) s.validity.beacon_drift_m_per_month = test::maybe(test::some_positive());
+  s.drift = {test::maybe(test::some_positive()), test::maybe(test::some_positive()),
+             test::maybe(test::some_positive()), test::maybe(test::some_positive())};
   return s;
 }
 
 void assert_same(const Site& a, const Site& b) {
+  RC_ASSERT(a.drift == b.drift);
   RC_ASSERT(a.name == b.name && a.motion == b.motion);
   RC_ASSERT(a.medium.model == b.medium.model && a.medium.speed_mps == b.medium.speed_mps);
   RC_ASSERT(a.medium.temperature_degC == b.medium.temperature_degC &&

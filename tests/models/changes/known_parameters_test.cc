@@ -70,11 +70,5 @@ TEST(KnownParameters, MotionsOfTheMapKeepItsDistances) {
   EXPECT_EQ(map_motions(known, Motion::kSpatial).cols(), 6);
 }
 
-TEST(Drift, GrowsWithTime) {
-  EXPECT_DOUBLE_EQ(Drift::of_months(0).beacon_m, 1e-3);
-  EXPECT_NEAR(Drift::of_months(12).beacon_m, std::hypot(1e-3, 1.2e-3), 1e-12);
-  EXPECT_NEAR(Drift::of_months(12).delay_s, std::hypot(3e-6, 3.6e-6), 1e-15);
-}
-
 }  // namespace
 }  // namespace octant
