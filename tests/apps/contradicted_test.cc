@@ -84,7 +84,7 @@ TEST_F(WrongThermometer, VerifySaysThatThereIsNoFixAndNotThatThereIsNoReference)
   EXPECT_THAT(told.err, Not(HasSubstr(".;"))) << "a sentence that goes on";
   const Outcome held = octant({"verify", out("d.json"), hall("heldout")});
   EXPECT_EQ(held.exit, 6);
-  EXPECT_THAT(held.err, HasSubstr("there is no fix to hold against the reference"));
+  EXPECT_THAT(held.err, HasSubstr("there is no fix to compare with the reference"));
   EXPECT_THAT(held.err, Not(HasSubstr("no fix has a reference")));
   EXPECT_THAT(held.err, HasSubstr("far outside the calibrated 69.8 degC"));
   std::istringstream lines(held.out);

@@ -37,13 +37,10 @@ void write_outputs(const LocalizeArgs& args, const Deployment& deployment, const
 void warn_of_no_fix(const Deployment& deployment, const std::vector<MeasurementLog>& runs,
                     const Localization& found, Session& session) {
   const bool pose_by_pose = found.method == to_string(Method::kLeastSquares);
-  bool told = false;
+  session.warn(fmt::format("There is not a single fix: {}.", why_no_fix(found)));
   for (const MeasurementLog& run : runs)
-    for (const std::string& doubt : doubts_about(deployment, run, pose_by_pose)) {
-      session.warn(fmt::format("there is not a single fix; {}: {}", run.path, doubt));
-      told = true;
-    }
-  if (!told) session.warn(fmt::format("There is not a single fix: {}.", why_no_fix(found)));
+    for (const std::string& doubt : doubts_about(deployment, run, pose_by_pose))
+      session.warn(fmt::format("{}: {}", run.path, doubt));
 }
 
 void warn_of_fixes(const LocalizeArgs& args, const Localization& found, Session& session) {

@@ -282,8 +282,7 @@ std::string why_no_fix(const Localization& localization) {
   static const std::map<std::string, const char*> words = {
       {to_string(FixStatus::kTooFewArrivals),
        "too few beacons were received at a time. In the plane a fix takes two or three ranges, in space "
-       "three "
-       "or four"},
+       "three or four"},
       {to_string(FixStatus::kPoorGeometry),
        "the geometry leaves a direction of the position undetermined, such as a turn about beacons that are "
        "nearly in line. Add a beacon off that line, or measure the height"},
@@ -310,10 +309,8 @@ std::string unmatched_text(const Localization& localization) {
         "none of the {} fixes has a reference at its time (poses of truth.tum at most 1 s apart around it, "
         "or truth.csv with its epoch)",
         localization.ok);
-  if (localization.no_fix == 0) return "there is no fix, as nothing was heard";
-  return fmt::format("there is no fix to hold against the reference: {} of {} failed ({}, by {})",
-                     localization.no_fix, localization.no_fix, counts_in_words(localization.no_fix_reasons),
-                     localization.method);
+  return fmt::format("there is no fix to compare with the reference: {} (method {})",
+                     why_no_fix(localization), localization.method);
 }
 
 std::string evaluation_text(const survey::Evaluation& e, const Localization& localization) {
