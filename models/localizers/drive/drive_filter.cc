@@ -3,386 +3,242 @@
 #include "models/localizers/drive/drive_filter.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
+#include <functional>
+#include <span>
 
 #include "models/physics/pose_step.h"
-#include "models/trajectory/linearise.h"
 
 namespace octant {
 namespace {
 
-constexpr double kForget = 1.0 / 30.0;
-constexpr int kIterations = 3;
-/// Echoes of a hall come within some three milliseconds of the direct sound, a metre of detour. Arrivals that
-/// are early are rarer by a factor of ten.
-constexpr double kEchoSpan_s = 3e-3, kEarlyShare = 0.1;
-constexpr double kAirDrift_m2ps2_per_s = 1e-4;  ///< random walk of 0.6 m/s (a degree) in an hour
-
-/// Calibration variance. It widens the gate only: it does not average out, so it must not count as noise.
-double calibration_variance_s2(const EpochFixModel& model, BeaconId beacon, const PathOutput& path) {
-  if (beacon.index() >= model.beacon_covariance.size()) return 0.0;
-  Eigen::Matrix<double, 5, 1> by;
-  by << path.tof_by_beacon.transpose(), 1.0, path.tof_by_speed;
-  return std::max(0.0, by.dot(model.beacon_covariance[beacon.index()] * by));
-}
+constexpr double kForget = 1.0 / 30.0, kForgetMisfit = 1.0 / 100.0;
+/// Share of the echoes that concern a ping as a whole.
+constexpr double kWholePing = 0.5;
+/// A hypothesis of a smaller probability changes the covariance of the pose by less than its rounding.
+constexpr double kNegligible = 1e-9;
 
 }  // namespace
-
-/// Derivatives of an arrival's prediction besides the pose: by few of the parameters, and by the bias of its
-/// pair.
-template <int kDof>
-struct DriveFilterOf<kDof>::Considered {
-  bool any = false;
-  State cross = State::Zero();  ///< P_x,theta h' for all considered parameters
-  double variance = 0.0;        ///< h C h'
-  Eigen::Index pair = -1;
-};
-
-template <int kDof>
-typename DriveFilterOf<kDof>::Row DriveFilterOf<kDof>::row_of(const PathOutput& path) {
-  Row H = Row::Zero();
-  H.template head<kDof>() = path.tof_by_pose.template head<kDof>();
-  H[kSpeed] = path.tof_by_speed;
-  return H;
-}
 
 template <int kDof>
 DriveFilterOf<kDof>::DriveFilterOf(const EpochFixModel& model, double gate_sigmas, double range_uncertainty_m,
                                    const CalibrationPart* calibration)
     : model_(model),
-      calibration_(calibration),
-      gate_sigmas_(gate_sigmas),
-      range_uncertainty_m_(range_uncertainty_m) {
-  const std::size_t pairs = model.state.beacon_p_map_m.size() * model.state.receiver_p_vehicle_m.size();
-  if (model.correlated.sigma_s > 0) recent_.resize(pairs);
-  if (calibration == nullptr) return;
-  const NodeCalibration none = node_calibration_room();
-  cross_.setZero(kStates, none.by_parameter.cols());
-  pair_cross_.setZero(kStates, none.by_pair.cols());
-  by_theta_ = Eigen::VectorXd::Zero(cross_.cols());
-}
-
-template <int kDof>
-NodeCalibration DriveFilterOf<kDof>::node_calibration_room() const {
-  NodeCalibration room;
-  const std::size_t pairs = model_.state.beacon_p_map_m.size() * model_.state.receiver_p_vehicle_m.size();
-  room.by_parameter.setZero(kDof, calibration_ ? calibration_->covariance().cols() : 0);
-  room.by_pair.setZero(
-      kDof, calibration_ && model_.correlated.pair_sigma_s > 0 ? static_cast<Eigen::Index>(pairs) : 0);
-  return room;
-}
+      belief_(model, gate_sigmas, range_uncertainty_m, calibration),
+      explanations_{{{belief_}, {belief_}, {belief_}}} {}
 
 template <int kDof>
 void DriveFilterOf<kDof>::start(const Pose& T_map_vehicle, const Covariance& covariance,
                                 const NodeCalibration* by) {
-  T_map_vehicle_ = T_map_vehicle;
-  P_.setZero();
-  P_.template topLeftCorner<kDof, kDof>() = covariance;
-  speed_offset_mps_ = 0.0;
-  coasting_ = false;
-  acceptance_ = 1.0;
-  std::ranges::fill(recent_, Recent{});
-  cross_.setZero();
-  pair_cross_.setZero();
-  if (by == nullptr || calibration_ == nullptr) return;
-  auto P = P_.template topLeftCorner<kDof, kDof>();
-  cross_.template topRows<kDof>().noalias() = by->by_parameter * calibration_->covariance();
-  P.noalias() += cross_.template topRows<kDof>() * by->by_parameter.transpose();
-  pair_cross_.template topRows<kDof>() =
-      model_.correlated.pair_sigma_s * model_.correlated.pair_sigma_s * by->by_pair;
-  P.noalias() += pair_cross_.template topRows<kDof>() * by->by_pair.transpose();
+  is_ping_open_ = false;
+  acceptance_ = misfit_ = 1.0;
+  belief_.start(T_map_vehicle, covariance, by);
+  estimate();
 }
 
 template <int kDof>
 void DriveFilterOf<kDof>::start_as(const DriveFilterOf& other, const Covariance& covariance) {
   start(other.T_map_vehicle_, covariance);
   set_speed(other.speed());
-  if (other.coasting_) begin_coasting(other.velocity_, other.velocity_covariance().diagonal());
+  if (other.is_coasting()) begin_coasting(other.velocity(), other.velocity_covariance().diagonal());
 }
 
 template <int kDof>
 void DriveFilterOf<kDof>::set_speed(const SpeedBelief& speed, const Vector& by_speed) {
-  speed_offset_mps_ = speed.offset_mps;
-  P_.row(kSpeed).setZero();
-  P_.col(kSpeed).setZero();
-  P_(kSpeed, kSpeed) = speed.variance_m2ps2;
-  P_.col(kSpeed).template head<kDof>() = speed.variance_m2ps2 * by_speed;
-  P_.row(kSpeed).template head<kDof>() = speed.variance_m2ps2 * by_speed.transpose();
-  P_.template topLeftCorner<kDof, kDof>() += speed.variance_m2ps2 * by_speed * by_speed.transpose();
+  belief_.set_speed(speed, by_speed);
+  estimate();
 }
 
 template <int kDof>
-void DriveFilterOf<kDof>::drift_speed(double span_s) {
-  if (P_(kSpeed, kSpeed) > 0.0) P_(kSpeed, kSpeed) += kAirDrift_m2ps2_per_s * span_s;
+void DriveFilterOf<kDof>::widen(const State& off) {
+  belief_.widen(off);
+  estimate();
 }
 
 template <int kDof>
-void DriveFilterOf<kDof>::predict(const Pose& step, const OdometryObservation& whole, double share) {
-  const Covariance F = by_step<kDof>(T_map_vehicle_, step);
-  auto cross = P_.template topRightCorner<kDof, kDof + 1>();
-  auto P = P_.template topLeftCorner<kDof, kDof>();
-  P = (F * P * F.transpose()).eval();
-  cross = (F * cross).eval();
-  P_.template bottomLeftCorner<kDof + 1, kDof>() = cross.transpose();
-  for (auto* by : {&cross_, &pair_cross_})
-    for (Eigen::Index k = 0; k < by->cols(); ++k)
-      by->col(k).template head<kDof>() = F * Vector(by->col(k).template head<kDof>());
-  constexpr int kPlaces = kDof == 3 ? 2 : 3;
-  P.diagonal().template head<kPlaces>().array() +=
-      share * whole.distance_sigma_m * whole.distance_sigma_m;  // equal in all directions
-  P.diagonal().template tail<kDof - kPlaces>().array() +=
-      share * whole.heading_sigma_rad * whole.heading_sigma_rad;
-  T_map_vehicle_ = T_map_vehicle_ * step;
+void DriveFilterOf<kDof>::set_range_uncertainty(double range_uncertainty_m) {
+  belief_.set_range_uncertainty(range_uncertainty_m);
+  for (Explanation& one : explanations_) one.belief.set_range_uncertainty(range_uncertainty_m);
+}
+
+template <int kDof>
+template <class Move>
+void DriveFilterOf<kDof>::move_all(Move&& move) {
+  move(belief_);
+  if (is_ping_open_)
+    for (std::size_t i = 0; i < count_; ++i) move(explanation(i).belief);
+  estimate();
+}
+
+template <int kDof>
+void DriveFilterOf<kDof>::pass_time(double span_s) {
+  passed_s_ += span_s;
+  if (is_ping_open_ && passed_s_ > kPing_s) end_ping();
+  belief_.drift_speed(span_s);
 }
 
 template <int kDof>
 void DriveFilterOf<kDof>::begin_coasting(const Vector& velocity, const Vector& variance) {
-  coasting_ = true;
-  velocity_ = velocity;
-  P_.template rightCols<kDof>().setZero();
-  P_.template bottomRows<kDof>().setZero();
-  P_.diagonal().template tail<kDof>() = variance;
-  for (auto* by : {&cross_, &pair_cross_}) by->template bottomRows<kDof>().setZero();
+  move_all([&](Belief& belief) { belief.begin_coasting(velocity, variance); });
 }
 
 template <int kDof>
 void DriveFilterOf<kDof>::coast(double span_s, double since_s, const MotionLimits& limits) {
-  constexpr int kPlaces = kDof == 3 ? 2 : 3;
-  const Pose step = step_at(velocity_, span_s);
-  Eigen::Matrix<double, kStates, kStates> F = Eigen::Matrix<double, kStates, kStates>::Identity();
-  F.template topLeftCorner<kDof, kDof>() = by_step<kDof>(T_map_vehicle_, step);
-  const Eigen::Matrix3d R = span_s * T_map_vehicle_.rotation.toRotationMatrix();
-  F.template block<kPlaces, kPlaces>(0, kVelocity) = R.template topLeftCorner<kPlaces, kPlaces>();
-  F.template block<kDof - kPlaces, kDof - kPlaces>(kPlaces, kVelocity + kPlaces)
-      .diagonal()
-      .setConstant(span_s);
-  Vector noise2;
-  for (int i = 0; i < kDof; ++i) {
-    const double T = i < kPlaces ? limits.speed_time_s : limits.turn_time_s;
-    const double change = (i < kPlaces ? limits.speed_mps : limits.turn_rate_radps) / T;
-    const double for_s = std::min(since_s + 0.5 * span_s, T);
-    // Velocity fades so that its variance ends at the square of the limit.
-    F(kVelocity + i, kVelocity + i) = std::exp(-span_s * for_s / (T * T));
-    noise2[i] = 2.0 * change * change * for_s * span_s;
-  }
-  P_ = (F * P_ * F.transpose()).eval();
-  P_.diagonal().template tail<kDof>() += noise2;
-  P_.diagonal().template head<kDof>() += span_s * span_s / 3.0 * noise2;
-  for (auto* by : {&cross_, &pair_cross_})
-    for (Eigen::Index k = 0; k < by->cols(); ++k) by->col(k) = F * State(by->col(k));
-  velocity_ = F.diagonal().template tail<kDof>().cwiseProduct(velocity_);
-  T_map_vehicle_ = T_map_vehicle_ * step;
+  move_all([&](Belief& belief) { belief.coast(span_s, since_s, limits); });
 }
 
 template <int kDof>
 void DriveFilterOf<kDof>::end_coasting(const Vector& velocity, const Vector& variance) {
-  if (!coasting_) return;
-  for (int i = 0; i < kDof; ++i) {
-    const int at = kVelocity + i;
-    const State gain = P_.col(at) / (P_(at, at) + variance[i]);
-    const double innovation = velocity[i] - velocity_[i];
-    for (auto* by : {&cross_, &pair_cross_})
-      for (Eigen::Index k = 0; k < by->cols(); ++k) by->col(k) -= gain * (*by)(at, k);
-    P_ -= (gain * P_.row(at)).eval();
-    P_ = (0.5 * (P_ + P_.transpose())).eval();
-    const State moved = gain * innovation;
-    velocity_ += moved.template tail<kDof>();
-    move(moved, T_map_vehicle_, speed_offset_mps_);
-  }
-  begin_coasting(velocity_, Vector::Zero());
-  coasting_ = false;
+  if (is_coasting()) move_all([&](Belief& belief) { belief.end_coasting(velocity, variance); });
 }
 
 template <int kDof>
-void DriveFilterOf<kDof>::move(const State& by, Pose& pose, double& speed_offset_mps) const {
-  pose = retract(pose, by.template head<kDof>(), kMotion);
-  speed_offset_mps += by[kSpeed];
-}
-
-template <int kDof>
-typename DriveFilterOf<kDof>::Considered DriveFilterOf<kDof>::consider(const PathOutput& path,
-                                                                       const ArrivalObservation& a) {
-  Considered out;
-  out.any = calibration_ != nullptr;
-  if (!out.any) return out;
-  if (cross_.cols() > 0) {
-    ObservationRow row;
-    row.has_shared = true;
-    row.beacon = a.beacon;
-    row.receiver = a.receiver;
-    row.by_beacon = path.tof_by_beacon;
-    row.by_receiver = path.tof_by_receiver;
-    row.by_attenuation = path.tof_by_attenuation;
-    row.by(kByDelay) = 1.0;
-    row.by(kBySpeed) = path.tof_by_speed;
-    by_theta_.setZero();
-    calibration_->for_each_coupling(
-        row, [&](int at, double h) { by_theta_ += h * calibration_->covariance().col(at); });
-    calibration_->for_each_coupling(row, [&](int at, double h) {
-      out.cross += h * cross_.col(at);
-      out.variance += h * by_theta_[at];
-    });
-  }
-  if (pair_cross_.cols() > 0) {
-    out.pair = static_cast<Eigen::Index>(a.beacon.index() * model_.state.receiver_p_vehicle_m.size() +
-                                         a.receiver.index());
-    out.cross += pair_cross_.col(out.pair);
-    out.variance += model_.correlated.pair_sigma_s * model_.correlated.pair_sigma_s;
-  }
-  return out;
-}
-
-/// Variance for weighting an arrival as if errors were independent. Its share of a pair's correlated error
-/// grows with the number of earlier arrivals within the correlation time, and counts in both directions: 1 +
-/// 2 sum rho.
-template <int kDof>
-double DriveFilterOf<kDof>::weight_variance_s2(const ArrivalObservation& a) {
-  if (recent_.empty()) return a.sigma_s * a.sigma_s;
-  const CorrelatedNoise& noise = model_.correlated;
-  Recent& pair = recent_[a.beacon.index() * model_.state.receiver_p_vehicle_m.size() + a.receiver.index()];
-  const double dt_s = std::abs(a.time_s - pair.time_s);
-  pair.sum *= noise.time_s > 0 ? std::exp(-dt_s / noise.time_s) : dt_s > 0 ? 0.0 : 1.0;
-  const double variance = a.sigma_s * a.sigma_s + 2.0 * pair.sum * noise.sigma_s * noise.sigma_s;
-  pair.sum += 1.0;
-  pair.time_s = a.time_s;
-  return variance;
-}
-
-/// Schmidt's update in Joseph's form, which keeps the covariance positive for any gain; with a share below
-/// one, the covariance of the mixture of both hypotheses.
-template <int kDof>
-template <int kCount>
-void DriveFilterOf<kDof>::correct(const State& whole_gain, const Row& whole_H, const Considered& considered,
-                                  double noise2, double share, const State& moved) {
-  using Block = Eigen::Matrix<double, kCount, kCount>;
-  const Eigen::Matrix<double, kCount, 1> gain = whole_gain.template head<kCount>(),
-                                         m = moved.template head<kCount>();
-  const Eigen::Matrix<double, 1, kCount> H = whole_H.template head<kCount>();
-  auto P = P_.template topLeftCorner<kCount, kCount>();
-  const Block A = Block::Identity() - gain * H;
-  const Block mixed = A * considered.cross.template head<kCount>() * gain.transpose();
-  const Block corrected = A * P * A.transpose() - mixed - mixed.transpose() +
-                          (noise2 + considered.variance) * gain * gain.transpose();
-  P = (share * corrected + (1.0 - share) * P + share * (1.0 - share) * m * m.transpose()).eval();
-  for (Eigen::Index k = 0; k < cross_.cols(); ++k) {
-    auto column = cross_.col(k).template head<kCount>();
-    column -= share * (H.dot(column) + by_theta_[k]) * gain;
-  }
-  for (Eigen::Index k = 0; k < pair_cross_.cols(); ++k) {
-    auto column = pair_cross_.col(k).template head<kCount>();
-    column -= share * H.dot(column) * gain;
-  }
-  if (considered.pair >= 0)
-    pair_cross_.col(considered.pair).template head<kCount>() -=
-        share * model_.correlated.pair_sigma_s * model_.correlated.pair_sigma_s * gain;
-}
-
-template <int kDof>
-double DriveFilterOf<kDof>::straight_share(double innovation, double variance) const {
-  if (echo_share_ == 0.0) return 1.0;
-  const double straight = (1.0 - echo_share_) * std::exp(-0.5 * innovation * innovation / variance) /
-                          std::sqrt(2.0 * std::numbers::pi * variance);
-  return straight / (straight + (innovation > 0 ? 1.0 : kEarlyShare) * echo_share_ / kEchoSpan_s);
-}
-
-template <int kDof>
-double DriveFilterOf<kDof>::single_variance_s2(const ArrivalObservation& a, double speed_mps) const {
-  const double uncertainty_s = range_uncertainty_m_ * a.legs() / speed_mps;
-  // With a calibration, the constant bias of a pair is considered in addition to the noise.
-  const double pair_s = calibration_ ? model_.correlated.pair_sigma_s : 0.0;
-  return a.sigma_s * a.sigma_s + uncertainty_s * uncertainty_s - pair_s * pair_s;
-}
-
-template <int kDof>
-bool DriveFilterOf<kDof>::within_gate(const ArrivalObservation& a, const PathOutput& path, double single2,
-                                      Considered& considered, double& innovation) {
-  const Row H = row_of(path);
-  innovation = a.tof_s - path.tof_s;
-  considered = consider(path, a);
-  const double predicted2 = H * P_ * H.transpose();
-  const double calibration2 = considered.any ? considered.variance + 2.0 * H.dot(considered.cross)
-                                             : calibration_variance_s2(model_, a.beacon, path);
-  return innovation * innovation <= gate_sigmas_ * gate_sigmas_ * (predicted2 + single2 + calibration2);
-}
-
-template <int kDof>
-bool DriveFilterOf<kDof>::fits(const Trajectory& trajectory, const ArrivalObservation& a) {
-  if (!model_.beacon_usable[a.beacon.index()]) return false;
-  PathInput in = path_of(trajectory, a, model_.state);
-  in.T_map_vehicle = &T_map_vehicle_;
-  in.speed_mps += speed_offset_mps_;
-  Considered considered;
-  double innovation = 0.0;
-  return within_gate(a, predict_arrival(in, kMotion), single_variance_s2(a, in.speed_mps), considered,
-                     innovation);
+void DriveFilterOf<kDof>::predict(const Pose& step, const OdometryObservation& whole, double share) {
+  move_all([&](Belief& belief) { belief.predict(step, whole, share); });
 }
 
 template <int kDof>
 void DriveFilterOf<kDof>::copy_state(const DriveFilterOf& other) {
-  range_uncertainty_m_ = other.range_uncertainty_m_;
-  cross_ = other.cross_;
-  pair_cross_ = other.pair_cross_;
-  recent_ = other.recent_;
+  belief_.copy_state(other.belief_);
+  count_ = other.is_ping_open_ ? other.count_ : 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    explanation(i).belief.copy_state(other.explanation(i).belief);
+    explanation(i).weight = other.explanation(i).weight;
+  }
+  whole_weight_ = other.whole_weight_;
+  echoes_weight_ = other.echoes_weight_;
+  is_ping_open_ = other.is_ping_open_;
+  ping_ = other.ping_;
+  passed_s_ = other.passed_s_;
   T_map_vehicle_ = other.T_map_vehicle_;
-  speed_offset_mps_ = other.speed_offset_mps_;
-  coasting_ = other.coasting_;
-  velocity_ = other.velocity_;
-  P_ = other.P_;
+  covariance_ = other.covariance_;
   acceptance_ = other.acceptance_;
+  misfit_ = other.misfit_;
+}
+
+template <int kDof>
+bool DriveFilterOf<kDof>::is_within(double place_m, double turn_rad) const {
+  const auto variances = covariance_.diagonal();
+  return variances.template head<Belief::kPlaces>().maxCoeff() < place_m * place_m &&
+         variances.template tail<kDof - Belief::kPlaces>().maxCoeff() < turn_rad * turn_rad;
+}
+
+template <int kDof>
+void DriveFilterOf<kDof>::begin_ping(const ArrivalObservation& a) {
+  is_ping_open_ = true;
+  ping_ = {a.beacon, a.time_s};
+  passed_s_ = 0.0;
+  count_ = 0;
+  whole_weight_ = kWholePing * echo_share_;
+  echoes_weight_ = 1.0 - whole_weight_;
+}
+
+/// Mean and covariance of the mixture of all hypotheses.
+template <int kDof>
+void DriveFilterOf<kDof>::end_ping() {
+  is_ping_open_ = false;
+  double sum = whole_weight_ + echoes_weight_;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Belief& belief = explanation(i).belief;
+    const double weight = explanation(i).weight;
+    if (weight < kNegligible) continue;
+    sum += weight;
+    if (sum - weight < kNegligible) {
+      belief_.copy_state(belief);
+    } else {
+      belief_.mix(belief, weight / sum);
+    }
+  }
+  estimate();
+}
+
+/// Pose and covariance of the mixture of all hypotheses.
+template <int kDof>
+void DriveFilterOf<kDof>::estimate() {
+  T_map_vehicle_ = belief_.pose();
+  covariance_ = belief_.covariance();
+  if (!is_ping_open_) return;
+  double sum = whole_weight_ + echoes_weight_;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Belief& belief = explanation(i).belief;
+    const double weight = explanation(i).weight;
+    if (weight < kNegligible) continue;
+    sum += weight;
+    const double share = weight / sum;
+    const Vector off = tangent_between(T_map_vehicle_, belief.pose(), kMotion);
+    covariance_ = (1.0 - share) * covariance_ + share * belief.covariance() +
+                  share * (1.0 - share) * off * off.transpose();
+    const Vector shift = share * off;
+    T_map_vehicle_ = retract(T_map_vehicle_, shift, kMotion);
+  }
+}
+
+/// Adds the hypothesis that an arrival is the first direct one of its ping. Returns its weight.
+template <int kDof>
+double DriveFilterOf<kDof>::begin_explanation(const Trajectory& trajectory, const ArrivalObservation& a,
+                                              double weight) {
+  Explanation& added = explanation(count_);
+  added.belief.copy_state(belief_);
+  const DriveUpdate update = added.belief.update(trajectory, a, 0.0);
+  added.weight = weight * update.density;
+  added.misfit = update.misfit;
+  if (update.rejection != Rejection::kUsed) return 0.0;
+  ++count_;
+  return added.weight;
+}
+
+/// Keeps the most probable explanations, and returns the sum of all weights before they are normalised.
+template <int kDof>
+double DriveFilterOf<kDof>::normalise() {
+  std::ranges::sort(std::span(rank_).first(count_), std::ranges::greater(),
+                    [this](std::size_t i) { return explanations_[i].weight; });
+  double sum = whole_weight_ + echoes_weight_;
+  for (std::size_t i = 0; i < count_; ++i) sum += explanation(i).weight;
+  whole_weight_ /= sum;
+  echoes_weight_ /= sum;
+  for (std::size_t i = 0; i < count_; ++i) explanation(i).weight /= sum;
+  count_ = std::min(count_, kExplanations);
+  while (count_ > 0 && explanation(count_ - 1).weight < kNegligible) --count_;
+  return sum;
+}
+
+/// Extends the hypotheses by an arrival.
+template <int kDof>
+Rejection DriveFilterOf<kDof>::explain(const Trajectory& trajectory, const ArrivalObservation& a) {
+  if (!is_ping_open_ || !ping_.includes(a.beacon, a.time_s)) {
+    if (is_ping_open_) end_ping();
+    begin_ping(a);
+  }
+  const double single_share = (1.0 - kWholePing) * echo_share_,
+               first_weight = (1.0 - single_share) * echoes_weight_;
+  const bool is_late = belief_.is_late(trajectory, a);
+  whole_weight_ *= echo_density(is_late);
+  echoes_weight_ *= single_share * echo_density(is_late);
+  double direct = 0.0;
+  bool is_explained = false;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const DriveUpdate update = explanation(i).belief.update(trajectory, a, single_share);
+    explanation(i).weight *= update.density;
+    explanation(i).misfit = update.misfit;
+    if (update.rejection != Rejection::kUsed) continue;
+    direct += explanation(i).weight;
+    is_explained = is_explained || i == 0;
+  }
+  if (!is_explained) direct += begin_explanation(trajectory, a, first_weight);
+  if (direct > 0.5 * normalise()) {
+    misfit_ += kForgetMisfit * (explanation(0).misfit - misfit_);
+    return Rejection::kUsed;
+  }
+  return is_late ? Rejection::kLate : Rejection::kEarly;
 }
 
 template <int kDof>
 Rejection DriveFilterOf<kDof>::update(const Trajectory& trajectory, const ArrivalObservation& a) {
   if (!model_.beacon_usable[a.beacon.index()]) return Rejection::kBeaconUnusable;
-  PathInput in = path_of(trajectory, a, model_.state);
-  const double single2 = single_variance_s2(a, in.speed_mps), base_mps = in.speed_mps;
-  double noise2 = single2, innovation = 0.0, first_innovation = 0.0, first_variance = 1.0;
-
-  // Iterated: the measurement is linearised at the corrected state; `moved` contains the deviation from the
-  // prior.
-  Pose T = T_map_vehicle_;
-  double speed_offset_mps = speed_offset_mps_;
-  State moved = State::Zero(), gain = State::Zero();
-  Row H = Row::Zero();
-  Considered considered;
-  for (int k = 0; k < kIterations; ++k) {
-    in.T_map_vehicle = &T;
-    in.speed_mps = base_mps + speed_offset_mps;
-    const PathOutput out = predict_arrival(in, kMotion);
-    H = row_of(out);
-    innovation = a.tof_s - out.tof_s + H.dot(moved);
-    if (k == 0) {
-      if (!within_gate(a, out, single2, considered, innovation)) {
-        acceptance_ -= kForget * acceptance_;
-        return innovation > 0 ? Rejection::kLate : Rejection::kEarly;
-      }
-      noise2 += weight_variance_s2(a) - a.sigma_s * a.sigma_s;
-      first_innovation = innovation;
-    }
-    const State PH = P_ * H.transpose();
-    const double S = H.dot(PH) + 2.0 * H.dot(considered.cross) + considered.variance + noise2;
-    if (k == 0) first_variance = S;
-    gain = (PH + considered.cross) / S;
-    moved = gain * innovation;
-    T = T_map_vehicle_;
-    speed_offset_mps = speed_offset_mps_;
-    move(moved, T, speed_offset_mps);
-  }
-  const double share = straight_share(first_innovation, first_variance);
-  if (coasting_) {
-    correct<kStates>(gain, H, considered, noise2, share, moved);
-    velocity_ += share * moved.template tail<kDof>();
-  } else {
-    correct<kVelocity>(gain, H, considered, noise2, share, moved);
-  }
-  move(share * moved, T_map_vehicle_, speed_offset_mps_);
-  if (share < 0.5) {
-    acceptance_ -= kForget * acceptance_;
-    return first_innovation > 0 ? Rejection::kLate : Rejection::kEarly;
-  }
-  acceptance_ += kForget * (1.0 - acceptance_);
-  return Rejection::kUsed;
+  const Rejection rejection =
+      echo_share_ > 0.0 ? explain(trajectory, a) : belief_.update(trajectory, a, 0.0).rejection;
+  acceptance_ += kForget * ((rejection == Rejection::kUsed ? 1.0 : 0.0) - acceptance_);
+  estimate();
+  return rejection;
 }
 
 template class DriveFilterOf<3>;

@@ -7,7 +7,6 @@
 
 #include <Eigen/Geometry>
 
-#include "models/localizers/common/arrival_rejections.h"
 #include "models/localizers/start/drive_start.h"
 #include "models/localizers/start/stretch_states.h"
 
@@ -16,6 +15,7 @@ namespace {
 
 constexpr std::size_t kDriveScratchBytes =
     9u << 20;  ///< for two solutions of a full window and their sensitivity to the calibration
+constexpr std::size_t kSolutionScratchBytes = 3u << 20;  ///< solving for a window of all its nodes once
 constexpr double kFilterWindowGrowth = 1.33;
 /// Sigma of an unknown air temperature relative to the deployment's [K].
 constexpr double kAirSigma_K = 8.0;
@@ -64,7 +64,8 @@ DriveSearchOf<kDof>::DriveSearchOf(EpochFixModel& model, const CalibrationPart& 
       start_calibration_(
           Filter(model, options.tracker.rejection_sigmas, options.tracker.range_uncertainty_m, &calibration)
               .node_calibration_room()),
-      scratch_(kDriveScratchBytes) {
+      scratch_(kDriveScratchBytes),
+      solving_(kSolutionScratchBytes) {
   with_all_.reserve(window_.trajectory().nodes.capacity());
   begin(0.0);
 }
@@ -88,10 +89,10 @@ bool DriveSearchOf<kDof>::search(bool is_temperature_known, Filter& filter, Beac
   next_search_s_ = kFilterWindowGrowth * span_s;
   const ScratchScope scope(scratch_);
   if (!has_searched_long() && window_.beacons() < kVerifiable) return false;
-  const double base_mps = model_.state.speed_offset_mps.front();
-  const bool found =
-      place(is_temperature_known ? 0.0 : options_.air_sigma_mps) && start_filters(filter, bank, work);
-  model_.state.speed_offset_mps.front() = base_mps;
+  base_mps_ = model_.state.speed_offset_mps.front();
+  speed_sigma_mps_ = is_temperature_known ? 0.0 : options_.air_sigma_mps;
+  const bool found = place() && start_filters(filter, bank, work);
+  model_.state.speed_offset_mps.front() = base_mps_;
   return found;
 }
 
@@ -105,18 +106,19 @@ bool DriveSearchOf<kDof>::has_searched_long() {
 
 /// Searches first with a known speed, then with an unknown offset.
 template <int kDof>
-bool DriveSearchOf<kDof>::place(double sigma_mps) {
+bool DriveSearchOf<kDof>::place() {
   Trajectory& t = window_.trajectory();
   const Segment window = window_.all();
   start_speed_ = {{}, PoseTangent::Zero(kDof)};
   TrackerOptions options = options_.tracker;
   bool placed = place_stretch(t, window, model_, options);
-  if (!placed && sigma_mps > 0.0) {
+  if (!placed && speed_sigma_mps_ > 0.0) {
     options.range_uncertainty_m = std::hypot(options_.tracker.range_uncertainty_m,
-                                             range_sigma_of_speed_m(t, window, model_, sigma_mps));
+                                             range_sigma_of_speed_m(t, window, model_, speed_sigma_mps_));
     placed = place_stretch(t, window, model_, options);
   }
-  if (placed && sigma_mps > 0.0) start_speed_ = fit_start_speed(t, window, model_, sigma_mps);
+  if (placed && speed_sigma_mps_ > 0.0)
+    start_speed_ = fit_start_speed(t, window, model_, speed_sigma_mps_, solving_);
   return placed;
 }
 
@@ -127,14 +129,15 @@ bool DriveSearchOf<kDof>::start_filters(Filter& filter, BeaconBankOf<kDof>& bank
   const double uncertainty_m =
       independent_uncertainty_m(t, window_.all(), model_, options_.tracker.range_uncertainty_m);
   filter.set_range_uncertainty(uncertainty_m);
-  Vector farthest = Vector::Zero();
+  State farthest = State::Zero();
   // With few arrivals, an echo of one beacon may have moved the start by that much.
   if (is_verified(filter, work, farthest)) {
     filter.widen(farthest);
   } else if (!has_searched_long()) {
     return false;
   }
-  bank.start(filter, t, [this](BeaconId beacon, Filter& without) { start_without(beacon, without); });
+  bank.start(filter, t,
+             [this](const DriveMember& member, Filter& without) { start_without(member, without); });
   bank.set_range_uncertainty(uncertainty_m);
   return true;
 }
@@ -142,14 +145,14 @@ bool DriveSearchOf<kDof>::start_filters(Filter& filter, BeaconBankOf<kDof>& bank
 /// Returns true if the start is determined without any one of its beacons.
 /// @param farthest  largest deviation of these solutions
 template <int kDof>
-bool DriveSearchOf<kDof>::is_verified(const Filter& filter, Filter& work, Vector& farthest) {
+bool DriveSearchOf<kDof>::is_verified(const Filter& filter, Filter& work, State& farthest) {
   for (std::size_t b = 0; b < model_.beacon_usable.size(); ++b) {
     if (!window_.hears(BeaconId(b))) continue;
-    start_without(BeaconId(b), work);
+    start_without({BeaconId(b), {}}, work);
     if (!(work.covariance().diagonal().template head<2>().maxCoeff() <
           options_.most_place_m * options_.most_place_m))
       return false;
-    const Vector off = tangent_between(filter.pose(), work.pose(), Filter::kMotion);
+    const State off = filter.difference(work);
     if (off.template head<2>().norm() > farthest.template head<2>().norm()) farthest = off;
   }
   return true;
@@ -169,15 +172,27 @@ void DriveSearchOf<kDof>::start_at_end(Filter& filter) {
 }
 
 template <int kDof>
-void DriveSearchOf<kDof>::start_without(BeaconId beacon, Filter& filter) {
+void DriveSearchOf<kDof>::start_without(const DriveMember& member, Filter& filter) {
   const ScratchScope scope(scratch_);
   Trajectory& t = window_.trajectory();
   with_all_ = t.nodes;
+  const StartSpeed speed_with_all = start_speed_;
+  const double with_all_mps = model_.state.speed_offset_mps.front();
   const Segment all = window_.all();
-  set_rejections(t, all, beacon, Rejection::kUsed, Rejection::kBeaconFault);
+  const auto mark = [&](Rejection from, Rejection to) {
+    for (ArrivalObservation& a : t.arrivals)
+      if (member.has(a) && a.rejection == from) a.rejection = to;
+  };
+  mark(Rejection::kUsed, Rejection::kBeaconFault);
   refine_stretch(t, all, model_, options_.tracker.range_uncertainty_m);
+  if (speed_sigma_mps_ > 0.0) {
+    model_.state.speed_offset_mps.front() = base_mps_;
+    start_speed_ = fit_start_speed(t, all, model_, speed_sigma_mps_, solving_, start_speed_.speed.offset_mps);
+  }
   start_at_end(filter);
-  set_rejections(t, all, beacon, Rejection::kBeaconFault, Rejection::kUsed);
+  start_speed_ = speed_with_all;
+  model_.state.speed_offset_mps.front() = with_all_mps;
+  mark(Rejection::kBeaconFault, Rejection::kUsed);
   t.nodes = with_all_;
 }
 

@@ -33,7 +33,7 @@ template <int kDof>
 class DriveSearchOf {
  public:
   using Filter = DriveFilterOf<kDof>;
-  using Vector = typename Filter::Vector;
+  using State = typename Filter::State;
 
   /// @param model, calibration  must outlive it; a search changes the model's speed
   DriveSearchOf(EpochFixModel& model, const CalibrationPart& calibration, const StateSpace& vehicle,
@@ -50,25 +50,26 @@ class DriveSearchOf {
   /// Number of beacons from which each can be checked against the others, in the plane and in space.
   static constexpr std::size_t kVerifiable = kDof == 3 ? 3 : 4;
   [[nodiscard]] bool has_searched_long();
-  [[nodiscard]] bool place(double sigma_mps);
+  [[nodiscard]] bool place();
   [[nodiscard]] bool start_filters(Filter& filter, BeaconBankOf<kDof>& bank, Filter& work);
-  [[nodiscard]] bool is_verified(const Filter& filter, Filter& work, Vector& farthest);
+  [[nodiscard]] bool is_verified(const Filter& filter, Filter& work, State& farthest);
   /// Starts a filter at the end of the window, from its solved states.
   void start_at_end(Filter& filter);
   /// Starts a filter at the end of the window, from the states solved without a beacon. With a poorly known
   /// attitude instead, a filter would not be linear enough to judge another one.
-  void start_without(BeaconId beacon, Filter& filter);
+  void start_without(const DriveMember& member, Filter& filter);
 
   EpochFixModel& model_;
   const CalibrationPart& calibration_;
   DriveSearchOptions options_;
   StartWindow window_;
+  double base_mps_ = 0.0, speed_sigma_mps_ = 0.0;  ///< offset in the model, and prior sigma of a further one
   StartSpeed start_speed_;
   NodeCalibration start_calibration_;  ///< sensitivity of the pose to the calibration
   std::vector<Node> with_all_;         ///< nodes of the window during a solution without a beacon
   double next_search_s_ = 0.0;         ///< span of the window at the next search
   double begun_s_ = 0.0;
-  Scratch scratch_;
+  Scratch scratch_, solving_;
 };
 
 extern template class DriveSearchOf<3>;

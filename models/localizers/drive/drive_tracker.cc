@@ -182,13 +182,13 @@ template <int kDof>
 void DriveTracker::CoreOf<kDof>::coast(Filter& filter, double span_s, double since_s) const {
   if (!filter.is_coasting()) begin_coasting(filter);
   filter.coast(span_s, since_s, odometry_.limits());
-  filter.drift_speed(span_s);
+  filter.pass_time(span_s);
 }
 
 template <int kDof>
 void DriveTracker::CoreOf<kDof>::step(Filter& filter, const MotionPart& part) const {
   filter.end_coasting(in_motion(part.velocity), variances(part.speed_variance, part.turn_rate_variance));
-  filter.drift_speed(part.span_s);
+  filter.pass_time(part.span_s);
   filter.predict(part.observation.T_before_after, part.observation, 1.0);
 }
 

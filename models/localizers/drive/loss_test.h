@@ -3,9 +3,8 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 
-#include "models/ids.h"
+#include "models/localizers/drive/ping.h"
 
 namespace octant {
 
@@ -16,10 +15,9 @@ namespace octant {
 class LossTest {
  public:
   void add(BeaconId beacon, double time_s, bool fits) {
-    if (beacon != beacon_ || std::abs(time_s - begin_s_) > kPing_s) {
+    if (!ping_.includes(beacon, time_s)) {
       score_ = score();
-      beacon_ = beacon;
-      begin_s_ = time_s;
+      ping_ = {beacon, time_s};
       fits_ = misfits_ = 0;
     }
     ++(fits ? fits_ : misfits_);
@@ -30,14 +28,12 @@ class LossTest {
   [[nodiscard]] bool is_lost() const { return score() >= kLost; }
 
  private:
-  static constexpr double kPing_s = 0.02;
   static constexpr int kLost = 6;
   [[nodiscard]] int score() const {
     if (fits_ + misfits_ == 0) return score_;
     return std::max(0, score_ + (misfits_ > fits_) - (fits_ > misfits_));
   }
-  BeaconId beacon_;
-  double begin_s_ = 0.0;
+  Ping ping_;
   int score_ = 0, fits_ = 0, misfits_ = 0;
 };
 

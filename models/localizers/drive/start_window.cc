@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "models/localizers/start/stretch_states.h"
@@ -28,13 +29,16 @@ constexpr double kInflation = 4.0;
 /// Sum of squared residuals at an offset of the speed, including its prior.
 class MisfitBySpeed {
  public:
-  MisfitBySpeed(Trajectory& t, const Segment& window, EpochFixModel& model, double sigma_mps)
-      : t_(t),
+  MisfitBySpeed(Trajectory& t, const Segment& window, EpochFixModel& model, double sigma_mps,
+                Scratch& scratch)
+      : scratch_(scratch),
+        t_(t),
         window_(window),
         model_(model),
         base_mps_(model.state.speed_offset_mps.front()),
         prior_(1.0 / square(sigma_mps)) {}
   double cost(double offset_mps) {
+    const ScratchScope scope(scratch_);
     model_.state.speed_offset_mps.front() = base_mps_ + offset_mps;
     return solve_states(t_, window_, model_.state, {.late_scale = 2.5, .early_scale = 4.0}, 15).cost +
            0.5 * prior_ * square(offset_mps);
@@ -42,6 +46,7 @@ class MisfitBySpeed {
   [[nodiscard]] double prior() const { return prior_; }
 
  private:
+  Scratch& scratch_;
   Trajectory& t_;
   const Segment& window_;
   EpochFixModel& model_;
@@ -145,11 +150,12 @@ double range_sigma_of_speed_m(const Trajectory& t, const Segment& window, const 
   return arrivals > 0 ? range_m / arrivals * sigma_mps / model.nominal_speed_mps : 0.0;
 }
 
-StartSpeed fit_start_speed(Trajectory& t, const Segment& window, EpochFixModel& model, double sigma_mps) {
-  MisfitBySpeed profile(t, window, model, sigma_mps);
+StartSpeed fit_start_speed(Trajectory& t, const Segment& window, EpochFixModel& model, double sigma_mps,
+                           Scratch& scratch, std::optional<double> known_mps) {
+  MisfitBySpeed profile(t, window, model, sigma_mps, scratch);
   const double range_m = range_sigma_of_speed_m(t, window, model, sigma_mps);
-  double offset_mps = 0.0, information = profile.prior(), span_mps = 0.0;
-  for (const double room : kSpeedRooms) {
+  double offset_mps = known_mps.value_or(0.0), information = profile.prior(), span_mps = 0.0;
+  for (const double room : std::span(kSpeedRooms).subspan(known_mps ? 1 : 0)) {
     const WidenedArrivals widened(t, window, model, room * range_m);
     span_mps = std::max(kLeastProfileSpan * model.nominal_speed_mps, kProfileSpan * room * sigma_mps);
     for (int step = 0; step < kStepsPerRoom; ++step) {

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "models/localizers/drive/drive_filter.h"
 #include "models/localizers/least_squares/epoch_fix.h"
 #include "models/localizers/start/drive_start.h"
+#include "models/support/scratch.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant {
@@ -51,7 +53,10 @@ struct StartSpeed {
 /// each speed, with a decreasing additional uncertainty of the ranges. Sets the window and the model to the
 /// resulting speed.
 /// @param sigma_mps  prior sigma of the offset
+/// @param scratch  memory for one solution
+/// @param known_mps  an offset nearby, at which the window is solved already
 [[nodiscard]] StartSpeed fit_start_speed(Trajectory& trajectory, const Segment& window, EpochFixModel& model,
-                                         double sigma_mps);
+                                         double sigma_mps, Scratch& scratch,
+                                         std::optional<double> known_mps = {});
 
 }  // namespace octant

@@ -76,7 +76,7 @@ TEST(Comparison, AMoveAndADelayByNameAndSize) {
   EXPECT_EQ(move.subject, "B5");
   EXPECT_NEAR(move.size, 0.05, 3 * move.sigma);
   EXPECT_EQ(delay.subject, "B2");
-  EXPECT_NEAR(delay.size, 60e-6, 1e-10);  // its prior takes two parts in 1e8
+  EXPECT_NEAR(delay.size, 60e-6, 2e-12);  // its prior takes two parts in 1e8
   EXPECT_NEAR(delay.sigma, std::sqrt(17.0) * 1e-6, 1e-12);
   EXPECT_LT(move.p, kFalseAlarm);
 }
