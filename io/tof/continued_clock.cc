@@ -60,7 +60,7 @@ double ContinuedClock::continued(double time_s, double last_s, int line) {
 std::optional<std::string> ContinuedClock::note(const std::string& file) const {
   if (restarts_ == 0) return std::nullopt;
   return fmt::format(
-      "{}{}: the time starts again at {} after {}, as {} does{}; it is continued by adding {} s", file,
+      "{}{}: time_s starts again at {} after {}, as {} does{}; it is continued by adding {} s", file,
       first_line_ > 0 ? fmt::format(":{}", first_line_) : "", exact(to_s_), exact(from_s_), kind_,
       restarts_ > 1 ? fmt::format(" ({} times in this file)", restarts_) : "", exact(period_s_));
 }

@@ -46,7 +46,7 @@ TEST(RunClock, ACounterThatStartsAgainIsContinuedWithANote) {
   ASSERT_TRUE(run) << run.error().message();
   expect_continued(run->arrivals);
   ASSERT_EQ(run->warnings.size(), 1u);
-  EXPECT_THAT(run->warnings[0], HasSubstr(fmt::format("tof.csv:{}: the time starts again", kRows / 2 + 2)));
+  EXPECT_THAT(run->warnings[0], HasSubstr(fmt::format("tof.csv:{}: time_s starts again", kRows / 2 + 2)));
   EXPECT_THAT(run->warnings[0], HasSubstr("a 32-bit counter of microseconds"));
 }
 

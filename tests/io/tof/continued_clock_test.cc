@@ -27,7 +27,7 @@ TEST(ContinuedClock, CountersAndTheTimeOfDayGoOn) {
     EXPECT_DOUBLE_EQ(times[4], period_s + 0.1);
     EXPECT_EQ(clock.period_s(), period_s);
     ASSERT_TRUE(clock.note("run/tof.csv"));
-    EXPECT_THAT(*clock.note("run/tof.csv"), HasSubstr("run/tof.csv:2: the time starts again at 0 after"));
+    EXPECT_THAT(*clock.note("run/tof.csv"), HasSubstr("run/tof.csv:2: time_s starts again at 0 after"));
   }
 }
 
