@@ -3,6 +3,7 @@
 #include "calib/verdict/observability.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -66,13 +67,7 @@ class Judge {
           status = undetermined(b, "too few arrivals agree on a place for it",
                                 "record it from more positions, or give its approximate position", INFINITY);
         } else if (sigma_m > limit_m_) {
-          status = undetermined(
-              b,
-              fmt::format("its position is {}, the tolerance is {}",
-                          sigma_m < kNothingM ? "known to " + length_in_words(sigma_m) + " only"
-                                              : "hardly known at all",
-                          length_in_words(limit_m_)),
-              "record more stops on all sides of it, or tape its distance to a control point", sigma_m);
+          status = uncertain(b, sigma_m);
         } else if (sigma_of(C_, delay) > limit_m_ && is_felt(delay)) {
           status = undetermined(b,
                                 fmt::format("its delay is known to {} of range only, the tolerance is {}",
@@ -138,6 +133,22 @@ class Judge {
  private:
   [[nodiscard]] std::string name_of(int column) const {
     return parameter_name(layout_.parameter(column).id, names_of(site_));
+  }
+
+  /// A position that is not known to the tolerance, or only its height.
+  BeaconStatus uncertain(std::size_t b, double sigma_m) {
+    const std::array<int, 3>& columns = layout_.beacon[b];
+    const bool is_height =
+        columns[2] >= 0 && worst_sigma_m(C_.block(std::array{columns[0], columns[1], -1})) <= limit_m_;
+    return undetermined(
+        b,
+        fmt::format(
+            "its {} is {}, the tolerance is {}", is_height ? "height" : "position",
+            sigma_m < kNothingM ? "known to " + length_in_words(sigma_m) + " only" : "hardly known at all",
+            length_in_words(limit_m_)),
+        is_height ? "measure its height and state it with a sigma_m, or record at places close to it as well"
+                  : "record more stops on all sides of it, or tape its distance to a control point",
+        sigma_m);
   }
 
   BeaconStatus undetermined(std::size_t b, const std::string& why, const std::string& remedy,

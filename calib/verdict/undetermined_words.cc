@@ -42,7 +42,8 @@ std::string reason_of(const BeaconGroup& group, double limit_m) {
     return "they were " + group.why.substr(kIt.size());
   if (group.names.size() == 1 || group.most_m == 0.0) return group.why;
   const std::string least = length_in_words(group.least_m), most = length_in_words(group.most_m);
-  return fmt::format("their positions are known to {} only, the tolerance is {}",
+  return fmt::format("their {} are known to {} only, the tolerance is {}",
+                     group.why.starts_with("its height") ? "heights" : "positions",
                      least == most ? most : least + " to " + most, length_in_words(limit_m));
 }
 

@@ -36,6 +36,11 @@ TEST(UndeterminedBeacons, OneIsNamedWithItsReason) {
   EXPECT_THAT(calib::in_groups({kSilent}, 0.03), ElementsAre("beacon A4 (it was not heard)"));
   EXPECT_THAT(calib::in_groups({known_to("A1", 0.034)}, 0.03),
               ElementsAre("beacon A1 (its position is known to 34 mm only)"));
+  EXPECT_THAT(calib::in_groups({{"A1", "its height is known to 34 mm only", "measure it", 0.034},
+                                {"A2", "its height is known to 49 mm only", "measure it", 0.049}},
+                               0.03),
+              ElementsAre("beacons A1, A2 (their heights are known to 34 mm to 49 mm only, the tolerance is "
+                          "30 mm)"));
   EXPECT_THAT(calib::warnings_of({kSilent}, 0.03),
               ElementsAre("beacon A4 is undetermined: it was not heard; drive where it is heard"));
 }
