@@ -12,8 +12,10 @@
 #include "calib/problem/ranges.h"
 #include "calib/problem/trilaterate.h"
 #include "calib/start/cold_start.h"
+#include "models/localizers/common/open_attitude.h"
 #include "models/localizers/drive/tracker.h"
 #include "models/localizers/least_squares/epoch_fix.h"
+#include "models/localizers/least_squares/place_fix.h"
 #include "models/support/parallel.h"
 #include "models/trajectory/linearise.h"
 
@@ -170,7 +172,47 @@ bool suspicious(const Trajectory& t, const Segment& epoch, const SharedState& st
   return false;
 }
 
-bool place_epoch(Trajectory& t, const Segment& epoch, const EpochFixModel& model,
+/// Model of stops in space whose arrivals determine a position, but no attitude.
+PlaceModel open_attitude_model(const Trajectory& t, const EpochFixModel& model) {
+  PlaceModel place{model, {}, {}};
+  std::vector<Eigen::Vector3d>& receivers_m = place.model.state.receiver_p_vehicle_m;
+  std::vector<bool> is_of_vehicle(receivers_m.size(), false);
+  for (const ArrivalObservation& a : t.arrivals) is_of_vehicle[a.receiver.index()] = true;
+  Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
+  double count = 0.0;
+  for (std::size_t r = 0; r < receivers_m.size(); ++r)
+    if (is_of_vehicle[r]) centre_m += receivers_m[r], count += 1.0;
+  centre_m /= std::max(count, 1.0);
+  place.p_centre_vehicle_m = {centre_m};
+  for (Eigen::Vector3d& p_m : receivers_m) {
+    place.receiver_variance_m2.push_back(open_attitude_variance_m2(p_m - centre_m));
+    p_m.setZero();
+  }
+  for (auto& axis : place.model.receiver_axis) axis.reset();
+  place.model.state.receiver_axis.clear();
+  return place;
+}
+
+/// Fix of an epoch; in space of its position alone if its arrivals do not determine the attitude.
+bool is_fixed(Trajectory& t, const Segment& epoch, const EpochFixModel& model, const PlaceModel* place,
+              const EpochFixOptions& options) {
+  if (place == nullptr) return fix_epoch(t, epoch, model, options).ok();
+  std::vector<double> sigmas_s;
+  for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i)
+    sigmas_s.push_back(t.arrivals[i].sigma_s);
+  Fix fix;
+  const bool is_place = &fix_pose_or_place(t, epoch, model, *place, options, fix) != &model;
+  for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i)
+    t.arrivals[i].sigma_s = sigmas_s[i - epoch.first_arrival];
+  if (fix.ok() && is_place) {
+    Pose& pose = t.nodes[epoch.first_node].T_map_vehicle;
+    pose.rotation.setIdentity();
+    pose.translation_m -= place->p_centre_vehicle_m.front();
+  }
+  return fix.ok();
+}
+
+bool place_epoch(Trajectory& t, const Segment& epoch, const EpochFixModel& model, const PlaceModel* place,
                  const EpochFixOptions& options, bool again) {
   Node& node = t.nodes[epoch.first_node];
   if (epoch.first_pose < epoch.last_pose || (node.placed && !again))
@@ -179,7 +221,7 @@ bool place_epoch(Trajectory& t, const Segment& epoch, const EpochFixModel& model
   std::vector<Rejection> rejections;
   for (std::size_t i = epoch.first_arrival; i < epoch.last_arrival; ++i)
     rejections.push_back(t.arrivals[i].rejection);
-  const bool found = fix_epoch(t, epoch, model, options).ok();
+  const bool found = is_fixed(t, epoch, model, place, options);
   if (found) {
     node.placed = true;
   } else {
@@ -231,6 +273,8 @@ std::size_t place_states(Trajectory& t, const EpochFixModel& model, double uncer
   EpochFixOptions options;
   options.range_uncertainty_m = uncertainty_m;
   options.max_sigma_m = INFINITY;
+  std::optional<PlaceModel> place;
+  if (t.motion == Motion::kSpatial) place = open_attitude_model(t, model);
   constexpr std::size_t kSegmentsAtOnce = 16;
   std::atomic<std::size_t> epochs{0};
   for_each_chunk(
@@ -241,7 +285,7 @@ std::size_t place_states(Trajectory& t, const EpochFixModel& model, double uncer
             if (t.nodes[node].placed && !again) continue;
             const Segment epoch =
                 node_segment(t, t.segments[s], node);  // epochs chained by odometry are searched one by one
-            here += place_epoch(t, epoch, model, options,
+            here += place_epoch(t, epoch, model, place ? &*place : nullptr, options,
                                 again && suspicious(t, epoch, model.state, suspect_sigmas));
           }
         epochs += here;

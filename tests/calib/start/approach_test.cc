@@ -122,5 +122,29 @@ TEST(Approach, WithoutItsLastSearchItIsAsGoodWhereArrivalsAgree) {
             0.005);
 }
 
+// Its attitude is not determined, and no epoch of it had a pose.
+TEST(Approach, AStopInSpaceOfOneReceiverHasAPosition) {
+  Scenario s = hall_scenario();
+  s.site.motion = Motion::kSpatial;
+  s.range_m = 25.0;
+  s.path.epochs = 40;
+  keep_one_receiver(s.site, {0.2, 0.0, 0.3});
+  for (std::size_t b = 0; b < s.site.beacons.size(); ++b) {
+    s.site.beacons[b].sigma_m = {0.0, 0.0, 0.0};
+    if (b % 2 == 0) s.site.beacons[b].position_m[2] = 5.0;  // heights differ, so that no image is as good
+  }
+  const World world = must(simulate(s, 3));
+  const calib::Solution solution = solution_of(world);
+  ASSERT_EQ(solution.status, calib::SolveStatus::kConverged) << solution.message;
+  for (const Trajectory& t : solution.trajectories)
+    for (const Node& node : t.nodes) {
+      ASSERT_TRUE(node.placed);
+      Pose truth;
+      ASSERT_TRUE(interpolate_poses(world.run.truth, node.time_s, 10.0, truth));
+      const Eigen::Vector3d& p_m = world.site.receivers[0].position_m;
+      EXPECT_LT((node.T_map_vehicle * p_m - truth * p_m).norm(), 0.1);
+    }
+}
+
 }  // namespace
 }  // namespace octant::test
