@@ -201,11 +201,12 @@ class Approacher {
     };
     std::vector<std::size_t> trusted;
     const std::vector<std::size_t> doubted = check.disregarded;
+    // Most places in doubt have one common cause: all are believed, and the diagnosis examines the misfit.
+    const bool have_common_cause = are_most_places(doubted.size());
+    const std::size_t trials = doubted.size() == 1 || have_common_cause ? 1 : 1 + doubted.size();
     AdjustedLog best = checkpoint();
     ConsensusCost cost = consensus();
-    for (std::size_t trial = 0;
-         trial <= doubted.size() && trusted.size() < doubted.size() && (trial == 0 || doubted.size() > 1);
-         ++trial) {
+    for (std::size_t trial = 0; trial < trials && trusted.size() < doubted.size(); ++trial) {
       std::vector<std::size_t> wanted = trusted;
       if (trial == 0) {
         wanted = doubted;
@@ -216,7 +217,7 @@ class Approacher {
       }
       LabelCheck again = check_labels(problem_, estimate_.layout, before.estimate.x, wanted);
       if (!adjust_from_stated(wanted)) return false;
-      if (better_than(cost)) {
+      if (have_common_cause || better_than(cost)) {
         trusted = wanted;
         check = std::move(again);
         best = checkpoint();
@@ -226,6 +227,13 @@ class Approacher {
       }
     }
     return true;
+  }
+
+  [[nodiscard]] bool are_most_places(std::size_t count) const {
+    constexpr std::size_t kSeveral = 3;
+    const auto places = std::ranges::count_if(problem_.site.beacons,
+                                              [](const SiteBeacon& b) { return b.place_m().has_value(); });
+    return count >= kSeveral && 2 * count > static_cast<std::size_t>(places);
   }
 
   /// With beacons back at their stated places.
