@@ -12,16 +12,17 @@ namespace octant::calib {
 /// An error that many observations have in common and that no parameter absorbs.
 struct CommonError {
   enum class Kind {
-    kWay,    ///< relative error of odometry distances
-    kTurns,  ///< relative error of odometry turns
-    kSpeed,  ///< relative increase of the speed from start to end of the recording
-    kDrift,  ///< increase of the times of flight at its end [s]
-    kJump,   ///< increase of the times of flight from a time on [s]
-    kShift,  ///< shift of measured poses from a time on [m]
-    kLag     ///< lag of the time stamps of measured poses [s]
+    kWay,     ///< relative error of odometry distances
+    kTurns,   ///< relative error of odometry turns
+    kSpeed,   ///< relative increase of the speed from start to end of the recording
+    kDrift,   ///< increase of the times of flight at its end [s]
+    kJump,    ///< increase of the times of flight from a time on [s]
+    kShift,   ///< shift of measured poses from a time on [m]
+    kLag,     ///< lag of the time stamps of measured poses [s]
+    kPattern  ///< increase of ranges in front of receivers, and decrease behind them, in all runs [m]
   };
   Kind kind = Kind::kWay;
-  std::size_t run = 0;    ///< index into Problem::runs; all odometry has one error
+  std::size_t run = 0;    ///< index into Problem::runs; errors of devices are those of all runs
   double time_s = 0.0;    ///< time of a jump or a shift
   double size = 0.0;      ///< approximate
   double sigmas = 0.0;    ///< size divided by its standard deviation
@@ -34,6 +35,11 @@ struct CommonError {
 
 [[nodiscard]] inline bool is_of_odometry(const CommonError& error) {
   return error.kind == CommonError::Kind::kWay || error.kind == CommonError::Kind::kTurns;
+}
+
+/// Errors of a device, which all runs have in common.
+[[nodiscard]] inline bool is_of_all_runs(const CommonError& error) {
+  return is_of_odometry(error) || error.kind == CommonError::Kind::kPattern;
 }
 
 }  // namespace octant::calib

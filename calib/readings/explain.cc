@@ -63,27 +63,28 @@ double noise_ratio(const Problem& problem, const Solution& solution) {
 /// Returns true if errors common to many observations explain everything.
 bool is_explained(const Solution& solution) {
   constexpr double kNoiseOfAll = 1.5;
-  return !solution.contradictions.empty() &&
-         solution.contradictions.size() <= solution.common_errors.size() &&
+  return !solution.common_errors.empty() && solution.contradictions.size() <= solution.common_errors.size() &&
          solution.common_errors.front().noise_left < kNoiseOfAll;
 }
 
-/// Reports a large, correlated misfit that no error explains. A wrong noise in the site file is not the
-/// cause, because noise is white and rarely so wrong.
+/// Reports a misfit that no error explains. Noise is rarely misjudged so much, and less than this if
+/// residuals are correlated, which noise is not.
 std::optional<Contradiction> unexplained_misfit(const Problem& problem, const Solution& solution) {
-  constexpr double kMisfit = 5.0;
+  constexpr double kMisfit = 10.0, kCorrelatedMisfit = 5.0;
   const double ratio = noise_ratio(problem, solution);
-  if (solution.status != SolveStatus::kConverged || !solution.errors.correlated || ratio < kMisfit) return {};
+  const bool is_correlated = solution.errors.correlated;
+  if (solution.status != SolveStatus::kConverged || !(ratio > (is_correlated ? kCorrelatedMisfit : kMisfit)))
+    return {};
   return Contradiction{
       ContradictionKind::kLog,
       "as a whole",
-      "as precise as the site file has it",
-      fmt::format("residuals {:.3g} times as large, alike from one arrival to the next, which no "
-                  "single error that was tried explains",
-                  ratio),
+      fmt::format("with noise of {:.3g} us", 1e6 * problem.site.noise.tof_sigma_s),
+      fmt::format("residuals of {:.3g} us{}, a variance factor of {:.3g} that no single cause explains",
+                  1e6 * solution.tof_sigma_s, is_correlated ? ", alike from one arrival to the next" : "",
+                  solution.statistics.variance_factor),
       0.0,
-      "compare the recording with the site file line by line, or record a short run at "
-      "known places and calibrate with that alone"};
+      "check the positions of control points, the wiring, units, frames and clocks; if the noise is really "
+      "so large, state noise.tof_sigma_s as it is"};
 }
 
 /// Reports stops that receive enough beacons and have no pose: their arrivals contradict an assumption.
@@ -120,31 +121,14 @@ std::optional<Contradiction> many_early(const Problem& problem, const Solution& 
                        "and frames; then calibrate again"};
 }
 
-/// Reports noise far above that of the site file that no hypothesis explains. Users misjudge their noise by a
-/// small factor; a factor of ten is a misfit.
-std::optional<Contradiction> unexplained_noise(const Problem& problem, const Solution& solution) {
-  constexpr double kUnexplainedRatio = 10.0;
-  const double stated_s = problem.site.noise.tof_sigma_s;
-  if (solution.status != SolveStatus::kConverged || !(solution.tof_sigma_s > kUnexplainedRatio * stated_s) ||
-      !(stated_s > 0))
-    return {};
-  return Contradiction{
-      ContradictionKind::kLog,
-      "as a whole",
-      fmt::format("with noise of {:.3g} us", 1e6 * stated_s),
-      fmt::format("residuals of {:.3g} us, a variance factor of {:.3g} that no single cause explains",
-                  1e6 * solution.tof_sigma_s, solution.statistics.variance_factor),
-      0.0,
-      "check the positions of control points, the wiring, units, frames and clocks; if the noise is really "
-      "so large, state noise.tof_sigma_s as it is"};
-}
-
 }  // namespace
 
 bool seems_misread(const Problem& problem, const Solution& solution) {
   const RejectionCounts n = arrivals_by_outcome(problem, solution);
   const std::size_t early = n.of(Rejection::kEarly);
   if (n.all() == 0 || solution.status == SolveStatus::kInterrupted) return false;
+  // Without a scale the calibration is refused before the arrivals are compared with anything.
+  if (solution.status == SolveStatus::kUndetermined && solution.trajectories.empty()) return false;
   if (solution.status == SolveStatus::kNotConverged || solution.beacon_status.empty())
     return true;  // there is no solution
   if (early >= kEarlyAtLeast && static_cast<double>(early) > kEarlyShare * static_cast<double>(n.all()))
@@ -172,7 +156,6 @@ void search(const Problem& problem, const Problem& adjusted, Solution& solution,
   } else if (solution.contradictions.empty()) {
     auto whole = many_early(adjusted, solution);
     if (!whole) whole = unexplained_misfit(adjusted, solution);
-    if (!whole) whole = unexplained_noise(adjusted, solution);
     if (!whole) whole = stops_without_place(solution);
     if (whole) solution.contradictions.push_back(std::move(*whole));
   }

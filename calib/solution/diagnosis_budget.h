@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <ctime>
 #include <exception>
 #include <string>
@@ -18,8 +19,8 @@ namespace octant::calib {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Bounds one step of a diagnosis by the time that is left of three times the time of the fit and
-/// SolveOptions::diagnosis_s, or of a share of that. The step's time counts when the object goes out of
+/// Bounds one step of a diagnosis by the time that is left of three times the time of the fit (a minute at
+/// most) and SolveOptions::diagnosis_s, or of a share of that. The step's time counts when the object goes out of
 /// scope.
 class DiagnosisBudget {
  public:
@@ -44,11 +45,12 @@ class DiagnosisBudget {
   [[nodiscard]] const SolveOptions& options() const { return options_; }
 
  private:
-  static constexpr double kTimesOfFit = 3.0;
+  static constexpr double kTimesOfFit = 3.0, kMostOfFit_s = 60.0;
 
   [[nodiscard]] double passed_s() const { return thread_time_s() - began_s_; }
   [[nodiscard]] double left_s() const {
-    return share_ * (kTimesOfFit * diagnosis_.fit_s + options_.diagnosis_s) - diagnosis_.spent_s - passed_s();
+    return share_ * (std::min(kTimesOfFit * diagnosis_.fit_s, kMostOfFit_s) + options_.diagnosis_s) -
+           diagnosis_.spent_s - passed_s();
   }
 
   Diagnosis& diagnosis_;

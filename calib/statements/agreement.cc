@@ -119,6 +119,17 @@ class Checker {
         growth_(growth),
         counts_(count_by_beacon(fit)) {}
 
+  /// Moves that explain more than a cost.
+  std::vector<Contradiction> moves(double cost) {
+    most_cost_ = cost;
+    usual_ = usual_share(counts_);
+    std::vector<std::size_t> suspects = this->suspects();
+    suspects.resize(std::min(suspects.size(), kMostSplit));
+    for (const std::size_t b : suspects)
+      if (places_of(fit_, b).left_out >= kFewestPlaces && moved(b)) break;
+    return std::move(out_.contradictions);
+  }
+
   Agreement run() {
     usual_ = usual_share(counts_);
     beacons();
@@ -138,17 +149,26 @@ class Checker {
     return c.outliers() >= kFewestLeftOut && c.share() >= std::max(share, beyond_others * usual_);
   }
 
-  void beacons() {
+  /// Beacons that may have moved, those with most rejected arrivals first.
+  [[nodiscard]] std::vector<std::size_t> suspects() const {
     std::vector<std::size_t> suspects;
-    for (std::size_t b = 0; b < counts_.size(); ++b) {
-      const HeardCounts& c = counts_[b];
-      if (!fit_.beacon_usable[b] || said(problem_.site.beacons[b].name)) continue;
-      if (c.bearings >= 10 && 2 * c.bearings_out > c.bearings) bearings_left_out(b);
-      if (is_suspect(c, kSomeLeftOut, kBeyondOthersIfMoved)) suspects.push_back(b);
-    }
+    for (std::size_t b = 0; b < counts_.size(); ++b)
+      if (fit_.beacon_usable[b] && !said(problem_.site.beacons[b].name) &&
+          is_suspect(counts_[b], kSomeLeftOut, kBeyondOthersIfMoved))
+        suspects.push_back(b);
     std::ranges::sort(suspects, [this](std::size_t a, std::size_t b) {
       return counts_[a].outliers() > counts_[b].outliers();
     });
+    return suspects;
+  }
+
+  void beacons() {
+    for (std::size_t b = 0; b < counts_.size(); ++b)
+      if (const HeardCounts& c = counts_[b]; fit_.beacon_usable[b] && c.bearings >= 10 &&
+                                             2 * c.bearings_out > c.bearings &&
+                                             !said(problem_.site.beacons[b].name))
+        bearings_left_out(b);
+    const std::vector<std::size_t> suspects = this->suspects();
     for (std::size_t k = 0; k < suspects.size(); ++k) {
       const Places places = places_of(fit_, suspects[k]);
       if (k < kMostSplit && places.left_out >= kFewestPlaces && moved(suspects[k])) continue;
@@ -176,7 +196,8 @@ class Checker {
 
   bool moved(std::size_t b) {
     const std::optional<Move> best = likeliest_move(b);
-    if (!best || best->by_m.norm() < kMovedMatters * tolerance_m(problem_)) return false;
+    if (!best || !(best->cost < most_cost_) || best->by_m.norm() < kMovedMatters * tolerance_m(problem_))
+      return false;
     // The rejected arrivals must agree after the move; otherwise it is not the cause.
     const double left_out = 0.5 * options_.rejection_sigmas * options_.rejection_sigmas *
                             static_cast<double>(counts_[b].outliers());
@@ -296,11 +317,18 @@ class Checker {
   const std::vector<Contradiction>& besides_;
   double growth_;
   std::vector<HeardCounts> counts_;
-  double usual_ = 0.0;
+  double usual_ = 0.0, most_cost_ = INFINITY;
   Agreement out_;
 };
 
 }  // namespace
+
+std::vector<Contradiction> moves_of(const Problem& problem, const SolveOptions& options, const Fit& fit,
+                                    double cost, double growth) {
+  if (!is_dense(fit.layout) || fit.x.size() == 0) return {};
+  const std::vector<Contradiction> besides;
+  return Checker(problem, options, fit, besides, growth).moves(cost);
+}
 
 Agreement agreement_of(const Problem& problem, const SolveOptions& options, const Fit& fit,
                        const std::vector<Contradiction>& besides, double growth) {

@@ -33,4 +33,10 @@ struct Agreement {
 [[nodiscard]] Agreement agreement_of(const Problem& problem, const SolveOptions& options, const Fit& fit,
                                      const std::vector<Contradiction>& besides, double growth = 1.0);
 
+/// A beacon that moved, if that alone explains more than a cost (Fit::cost). A move bends delays and
+/// positions that are assumed to be constant.
+/// @param fit  with all assumptions of the site file
+[[nodiscard]] std::vector<Contradiction> moves_of(const Problem& problem, const SolveOptions& options,
+                                                  const Fit& fit, double cost, double growth);
+
 }  // namespace octant::calib

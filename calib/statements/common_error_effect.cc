@@ -10,6 +10,7 @@
 #include "calib/problem/log_health.h"
 #include "calib/statements/common_errors.h"
 #include "calib/statements/measured_path.h"
+#include "calib/statements/receiver_pattern.h"
 
 namespace octant::calib {
 namespace {
@@ -42,6 +43,18 @@ Contradiction of_lag(const CommonError& e, const std::string& file) {
           e.sigmas,
           fmt::format("check how the two clocks are synchronised, or {} {:.3g} s {} each time of {}",
                       late ? "subtract" : "add", std::abs(e.size), late ? "from" : "to", file)};
+}
+
+Contradiction of_pattern(const CommonError& e) {
+  return {ContradictionKind::kReceiver,
+          "patterns",
+          "alike in all directions",
+          fmt::format("that ranges are {:.3g} mm {} to beacons in front of them than to beacons behind them, "
+                      "as the patterns of antennas and transducers cause",
+                      2e3 * std::abs(e.size), e.size > 0 ? "longer" : "shorter"),
+          e.sigmas,
+          "if accuracy of this size matters, calibrate the devices by direction, or mount them so that they "
+          "face the beacons alike"};
 }
 
 std::string longer_by(double step_s) {
@@ -92,6 +105,7 @@ Contradiction contradiction_of(const CommonError& e, const Site& site,
   if (e.kind == Kind::kSpeed) return of_speed(e, site, path);
   if (e.kind == Kind::kShift) return of_shift(e, runs[e.run]);
   if (e.kind == Kind::kLag) return of_lag(e, path + "/" + pose_file(runs[e.run]));
+  if (e.kind == Kind::kPattern) return of_pattern(e);
   if (e.kind == Kind::kDrift)
     return {
         ContradictionKind::kLog,
@@ -110,7 +124,7 @@ Contradiction contradiction_of(const CommonError& e, const Site& site,
           "rows before the jump or after it"};
 }
 
-void take_back(const CommonError& e, std::vector<Trajectory>& trajectories) {
+void take_back(const CommonError& e, const SharedState& state, std::vector<Trajectory>& trajectories) {
   Span span_s{INFINITY, -INFINITY};
   for (const Trajectory& t : trajectories)
     for (const ArrivalObservation& a : t.arrivals)
@@ -124,6 +138,11 @@ void take_back(const CommonError& e, std::vector<Trajectory>& trajectories) {
           o.T_before_after.rotation =
               Pose::planar(0.0, 0.0, factor * o.T_before_after.heading_rad()).rotation;
       }
+      continue;
+    }
+    if (e.kind == Kind::kPattern) {
+      const ReceiverPattern pattern(t, state);
+      for (ArrivalObservation& a : t.arrivals) a.tof_s -= e.size * pattern.delay_s(a);
       continue;
     }
     if (t.run != e.run) continue;

@@ -11,6 +11,7 @@
 
 #include "calib/problem/ranges.h"
 #include "calib/statements/measured_path.h"
+#include "calib/statements/receiver_pattern.h"
 #include "calib/statements/score_test.h"
 
 namespace octant::calib {
@@ -19,8 +20,6 @@ namespace {
 using Kind = CommonError::Kind;
 using Span = std::pair<double, double>;
 
-/// Significance that white noise hardly ever reaches in any of the many errors that are tested.
-constexpr double kBeyondChance = 6.0;
 /// Maximum number of arrivals examined in a long recording.
 constexpr std::size_t kArrivalsExamined = 20'000;
 /// Number of times within a recording at which a jump is tested.
@@ -29,6 +28,8 @@ constexpr Eigen::Index kJumps = 32;
 constexpr Eigen::Index kPoseGroups = 12;
 /// Signals faster than this are not sound, so their speed does not depend on the temperature.
 constexpr double kFasterThanSound_mps = 1e5;
+/// Largest amplitude of the receivers' pattern as a share of their distance from the middle of the array.
+constexpr double kLargestPattern = 0.5;
 
 /// Time span and boundaries of the arrivals and measured poses of a run.
 struct Times {
@@ -70,14 +71,15 @@ bool is_led_by_odometry(const Trajectory& t) {
   return t.motion == Motion::kPlanar && t.poses.empty() && !t.odometry.empty();
 }
 
-/// Errors tested in a run, in column order: distance and turns of the odometry; change of the medium; drift
-/// and jumps of the clock; shifts of each group of measured poses in x, y, z; time lag of these poses.
+/// Errors tested in a run, in column order: distance and turns of the odometry; pattern of the receivers;
+/// change of the medium; drift and jumps of the clock; shifts of each group of measured poses in x, y, z;
+/// time lag of these poses.
 class Patterns {
  public:
-  static constexpr Eigen::Index kOfOdometry = 2, kBesidePoses = kOfOdometry + 2 + kJumps,
+  static constexpr Eigen::Index kPattern = 2, kOfAllRuns = 3, kBesidePoses = kOfAllRuns + 2 + kJumps,
                                 kOfPoses = 3 * kPoseGroups + 1, kLag = kBesidePoses + 3 * kPoseGroups;
 
-  explicit Patterns(Times times) : times_(std::move(times)) {}
+  Patterns(Times times, const SharedState& state) : times_(std::move(times)), state_(state) {}
 
   bool operator()(const Trajectory& t, const ObservationRow& row, Eigen::RowVectorXd& by) {
     if (row.kind == RowKind::kPose) return of_pose(t, row, by);
@@ -88,19 +90,27 @@ class Patterns {
     if (row.kind != RowKind::kTof || !(times_.span_s.second > times_.span_s.first)) return false;
     const ArrivalObservation& a = t.arrivals[row.index];
     const double share = share_of_span(times_.span_s, a.time_s);
-    by[kOfOdometry] = -a.tof_s * share / a.sigma_s;
-    by[kOfOdometry + 1] = share / a.sigma_s;
+    if (!receivers_ || receivers_->trajectory() != &t) {
+      receivers_.emplace(t, state_);
+      least_lever_m_ = std::min(least_lever_m_, receivers_->least_lever_m());
+    }
+    by[kPattern] = receivers_->delay_s(a) / a.sigma_s;
+    by[kOfAllRuns] = -a.tof_s * share / a.sigma_s;
+    by[kOfAllRuns + 1] = share / a.sigma_s;
     for (Eigen::Index j = 0; j < kJumps; ++j)
-      if (a.time_s >= times_.jump_s[static_cast<std::size_t>(j)]) by[kOfOdometry + 2 + j] = 1.0 / a.sigma_s;
+      if (a.time_s >= times_.jump_s[static_cast<std::size_t>(j)]) by[kOfAllRuns + 2 + j] = 1.0 / a.sigma_s;
     return true;
   }
 
   /// Root-mean-square speed of the vehicle from its measured poses, if these belong to a drive.
   [[nodiscard]] double rms_speed_mps() const { return std::sqrt(speed2_sum_ / std::max(1.0, speeds_)); }
 
-  /// Error of a column behind those of odometry.
+  /// Distance of the innermost receiver from the middle of its array.
+  [[nodiscard]] double least_lever_m() const { return least_lever_m_; }
+
+  /// Error of a column behind those that all runs have in common.
   [[nodiscard]] CommonError error_of(Eigen::Index column, std::size_t run) const {
-    const Eigen::Index what = column - kOfOdometry;
+    const Eigen::Index what = column - kOfAllRuns;
     if (what < 2) return {.kind = what == 0 ? Kind::kSpeed : Kind::kDrift, .run = run};
     return {.kind = Kind::kJump, .run = run, .time_s = times_.jump_s[static_cast<std::size_t>(what - 2)]};
   }
@@ -142,6 +152,9 @@ class Patterns {
   }
 
   Times times_;
+  const SharedState& state_;
+  std::optional<ReceiverPattern> receivers_;
+  double least_lever_m_ = INFINITY;
   int odometry_rows_ = 0, pose_rows_ = 0;
   const PoseObservation* pose_ = nullptr;  ///< pose of the current rows
   std::optional<MeasuredPath> path_;
@@ -197,11 +210,12 @@ std::map<std::size_t, std::vector<Trajectory>> some_of_each(const std::vector<Tr
   return some;
 }
 
-/// Finds all significant errors of each run, and errors of the odometry, which are common to all runs.
+/// Finds all significant errors of each run, and errors of devices, which are common to all runs.
 class ErrorSearch {
  public:
-  ErrorSearch(const SharedState& state, const AdjustedParameters& parameters, int threads)
-      : state_(state), parameters_(parameters), threads_(threads) {}
+  ErrorSearch(const SharedState& state, const AdjustedParameters& parameters, int threads,
+              double least_sigmas)
+      : state_(state), parameters_(parameters), threads_(threads), least_sigmas_(least_sigmas) {}
 
   std::vector<CommonError> run(const std::vector<Trajectory>& trajectories) {
     std::size_t arrivals = 0;
@@ -219,21 +233,25 @@ class ErrorSearch {
     }
     add({.kind = Kind::kWay, .run = driven_run}, of_all.of_error(0, parameters_));
     add({.kind = Kind::kTurns, .run = driven_run}, of_all.of_error(1, parameters_));
+    // An amplitude of twice the lever would be the pattern of receivers that are exchanged or turned round.
+    const ScoreTest::Finding pattern = of_all.of_error(Patterns::kPattern, parameters_);
+    if (std::abs(pattern.size[0]) < kLargestPattern * least_lever_m_) add({.kind = Kind::kPattern}, pattern);
     return std::move(found_);
   }
 
  private:
   void look_at(std::size_t run, const std::vector<Trajectory>& trajectories, ScoreTest& of_all) {
     const Times times = times_of(trajectories);
-    Patterns patterns(times);
+    Patterns patterns(times, state_);
     const ScoreTest test = score_test(trajectories, state_, parameters_.layout, of_all.gradient().size(),
                                       std::ref(patterns), threads_);
-    of_all.add(test);                  // only the errors of odometry are common to all runs
+    of_all.add(test);  // only the first errors are common to all runs
+    least_lever_m_ = std::min(least_lever_m_, patterns.least_lever_m());
     if (times.jump_s.empty()) return;  // no arrivals
     const Trajectory& first = trajectories.front();
     typical_range_m_ = median_path_m(trajectories);
     const bool is_sound = first.nominal_speed_mps < kFasterThanSound_mps;
-    for (Eigen::Index column = Patterns::kOfOdometry; column < Patterns::kBesidePoses; ++column)
+    for (Eigen::Index column = Patterns::kOfAllRuns; column < Patterns::kBesidePoses; ++column)
       if (const CommonError error = patterns.error_of(column, run); is_sound || error.kind != Kind::kSpeed)
         add(error, test.of_error(column, parameters_));
     if (times.group_s.empty()) return;
@@ -244,7 +262,7 @@ class ErrorSearch {
     CommonError shift =
         shift_of_poses(test, times, run, first.motion == Motion::kPlanar ? 2 : 3, parameters_);
     shift.length_m = shift.size;
-    if (shift.sigmas > kBeyondChance) found_.push_back(shift);
+    if (shift.sigmas > least_sigmas_) found_.push_back(shift);
   }
 
   /// Size of an error as a length, in ranges or positions.
@@ -263,26 +281,29 @@ class ErrorSearch {
     error.size = finding.size[0];
     error.sigmas = finding.sigmas;
     error.length_m = length_m(error);
-    if (std::abs(error.sigmas) > kBeyondChance) found_.push_back(error);
+    if (std::abs(error.sigmas) > least_sigmas_) found_.push_back(error);
   }
 
   const SharedState& state_;
   AdjustedParameters parameters_;
   int threads_;
+  double least_sigmas_;
   double typical_range_m_ = 0.0, speed_mps_ = 0.0;  ///< values of the current run
+  double least_lever_m_ = INFINITY;
   std::vector<CommonError> found_;
 };
 
 }  // namespace
 
 std::vector<CommonError> common_errors(const std::vector<Trajectory>& trajectories, const SharedState& state,
-                                       const AdjustedParameters& parameters, int threads) {
-  std::vector<CommonError> all = ErrorSearch(state, parameters, threads).run(trajectories);
+                                       const AdjustedParameters& parameters, int threads,
+                                       double least_sigmas) {
+  std::vector<CommonError> all = ErrorSearch(state, parameters, threads, least_sigmas).run(trajectories);
   std::ranges::stable_sort(all, std::ranges::greater{}, [](const auto& e) { return std::abs(e.sigmas); });
   std::vector<CommonError> errors;
   for (CommonError& e : all) {
     const auto of_kind = [&](const CommonError& other) {
-      return other.kind == e.kind && (is_of_odometry(e) || other.run == e.run);
+      return other.kind == e.kind && (is_of_all_runs(e) || other.run == e.run);
     };
     if (std::ranges::any_of(errors, of_kind)) continue;
     e.sigmas = std::abs(e.sigmas);

@@ -18,6 +18,9 @@
 
 namespace octant::calib {
 
+/// Significance from which an error is a hypothesis. White noise rarely reaches it in any of the many tests.
+inline constexpr double kBeyondChance = 6.0;
+
 /// Finds errors that many observations have in common, if the residuals show them more clearly than white
 /// noise would (score_test.h). Returns the most significant error of each kind, for each recording and for
 /// odometry. They are hypotheses: an error that is not modelled makes its own residuals look correlated, so
@@ -26,7 +29,8 @@ namespace octant::calib {
 /// @param trajectories  adjusted; parameters.share is their share of those from which the parameters are
 [[nodiscard]] std::vector<CommonError> common_errors(const std::vector<Trajectory>& trajectories,
                                                      const SharedState& state,
-                                                     const AdjustedParameters& parameters, int threads = 1);
+                                                     const AdjustedParameters& parameters, int threads = 1,
+                                                     double least_sigmas = kBeyondChance);
 
 /// Describes an error as a contradiction of what is assumed of the recordings, with its remedy.
 [[nodiscard]] Contradiction contradiction_of(const CommonError& error, const Site& site,
@@ -36,7 +40,8 @@ namespace octant::calib {
 [[nodiscard]] std::string jump_in_words(double time_s, double step_s);
 
 /// Corrects the trajectories of its run for an error (all runs for an error of the odometry).
-void take_back(const CommonError& error, std::vector<Trajectory>& trajectories);
+/// @param state  adjusted parameters, for directions
+void take_back(const CommonError& error, const SharedState& state, std::vector<Trajectory>& trajectories);
 /// Corrects the observations of a run for an error.
 /// @param span_s  times of the first and the last arrival of the whole recording
 void take_back(const CommonError& error, std::pair<double, double> span_s, MeasurementLog& run);

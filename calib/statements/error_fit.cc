@@ -14,9 +14,9 @@
 namespace octant::calib {
 namespace {
 
-/// Maximum number of refinements of a size, and the share of the cost that a refinement must save.
+/// Maximum number of refinements of a size, and the significance of what remains that is worth one.
 constexpr int kSizings = 4;
-constexpr double kWorthSizing = 0.01;
+constexpr double kWorthSizing = 1.0;
 
 /// Adds the remaining error to `error`.
 /// @return false if there is no remaining error
@@ -120,13 +120,13 @@ bool sharpen(const Fit& without, double limit, CommonError& jump) {
 
 }  // namespace
 
-std::vector<CommonError> errors_of(const SolveOptions& options, const Fit& fit) {
+std::vector<CommonError> errors_of(const SolveOptions& options, const Fit& fit, double least_sigmas) {
   std::vector<Trajectory> trajectories = fit.trajectories;
   const Information information =
       information_at(fit.problem, fit.layout, trajectories, fit.x, {.threads = options.threads});
   const Covariance covariance(Eigen::MatrixXd(information.data + information.prior), Eigen::MatrixXd());
   std::vector<CommonError> errors =
-      common_errors(trajectories, fit.state(), {fit.layout, covariance}, options.threads);
+      common_errors(trajectories, fit.state(), {fit.layout, covariance}, options.threads, least_sigmas);
   for (const auto& [run, residuals] : residuals_by_run(fit))
     if (const auto jump =
             jump_of_outliers(run, residuals, options.rejection_sigmas, fit.layout.nominal_speed_mps))
@@ -138,16 +138,16 @@ std::optional<ErrorFit> fit_without(const SolveOptions& options, const Fit& fit,
   std::optional<ErrorFit> best;
   for (int sizing = 0; sizing < kSizings; ++sizing) {
     Fit without = fit;
-    take_back(error, without.trajectories);
+    take_back(error, fit.state(), without.trajectories);
     adjust_anew(options, without);
     const double cost = best ? best->fit.cost : fit.cost;
     if (!without.ok || !(without.cost < cost)) break;
-    const bool is_worth_more = cost - without.cost > kWorthSizing * without.cost;
     best = ErrorFit{error, std::move(without)};
     const bool is_jump = error.kind == CommonError::Kind::kJump;
     if (is_jump && sharpen(best->fit, options.rejection_sigmas, error)) continue;
     if (is_jump) best->error.time_s = error.time_s;
-    if (!is_worth_more || is_jump || !add_what_is_left(errors_of(options, best->fit), error)) break;
+    const double least_sigmas = kWorthSizing * std::max(1.0, best->fit.noise_factor);
+    if (is_jump || !add_what_is_left(errors_of(options, best->fit, least_sigmas), error)) break;
   }
   if (best)
     best->error.sigmas =

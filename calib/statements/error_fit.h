@@ -11,7 +11,8 @@
 namespace octant::calib {
 
 /// Common errors that the residuals of a fit show (common_errors.h).
-[[nodiscard]] std::vector<CommonError> errors_of(const SolveOptions& options, const Fit& fit);
+[[nodiscard]] std::vector<CommonError> errors_of(const SolveOptions& options, const Fit& fit,
+                                                 double least_sigmas = kBeyondChance);
 
 /// A fit to observations that were corrected for an error.
 struct ErrorFit {

@@ -3,6 +3,7 @@
 #include "calib/statements/statement.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace octant::calib {
 
@@ -14,6 +15,10 @@ std::vector<int> columns_of(const Statement& s, const ParameterLayout& layout) {
   switch (s.what) {
     case What::kControlPoint:
       for (const int c : layout.beacon[s.index]) add(c);
+      break;
+    case What::kPlace:
+      for (const int c : layout.beacon[s.index])
+        if (c >= 0 && std::isfinite(layout.parameter(c).prior_sigma)) add(c);
       break;
     case What::kBeaconDelay: add(layout.column_of(parameters::beacon_delay(s.index))); break;
     case What::kReceiverDelay: add(layout.column_of(parameters::receiver_delay(s.index))); break;
@@ -43,6 +48,7 @@ std::vector<Statement> StatedSite::all() const {
   std::vector<Statement> stated;
   for (std::size_t b = 0; b < s.beacons.size(); ++b) {
     if (s.beacons[b].is_control_point() && beacon_usable_[b]) stated.push_back({What::kControlPoint, b});
+    if (!columns_of({What::kPlace, b}, layout_).empty()) stated.push_back({What::kPlace, b});
     if (is_free(parameters::beacon_delay(b))) stated.push_back({What::kBeaconDelay, b});
   }
   for (std::size_t r = 0; r < s.receivers.size(); ++r) {

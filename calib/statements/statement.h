@@ -14,6 +14,7 @@ namespace octant::calib {
 /// Kinds of assumptions in a site file.
 enum class What {
   kControlPoint,
+  kPlace,  ///< position of a beacon with a prior
   kBeaconDelay,
   kReceiverDelay,
   kSiteDelay,

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -24,7 +26,8 @@ class StatementWords {
     Contradiction c;
     c.sigmas = sigmas;
     switch (s.what) {
-      case What::kControlPoint: describe_control_point(s, state, c); break;
+      case What::kControlPoint:
+      case What::kPlace: describe_place(s, state, c); break;
       case What::kBeaconDelay:
         describe_delay(stated_.site().beacons[s.index].name, beacon_delay_prior(stated_.site(), s.index),
                        state.beacon_delay_s[s.index], c);
@@ -51,8 +54,9 @@ class StatementWords {
     const auto place = [&](std::size_t b) { return *stated_.site().beacons[b].place_m(); };
     for (std::size_t i = 0; i < culprits.size(); ++i)
       for (std::size_t j = i + 1; j < culprits.size(); ++j) {
-        if (culprits[i].what != What::kControlPoint || culprits[j].what != What::kControlPoint) continue;
+        if (!is_place(culprits[i]) || !is_place(culprits[j])) continue;
         const std::size_t a = culprits[i].index, b = culprits[j].index;
+        if (!stated_.site().beacons[a].place_m() || !stated_.site().beacons[b].place_m()) continue;
         const double near = 0.1 * (place(a) - place(b)).norm();
         if ((state.beacon_p_map_m[a] - place(b)).norm() > near ||
             (state.beacon_p_map_m[b] - place(a)).norm() > near)
@@ -63,8 +67,10 @@ class StatementWords {
         c.stated = fmt::format("at {} and {}", point(place(a)), point(place(b)));
         c.found = "at each other's places";
         c.remedy = fmt::format(
-            "exchange the positions of control points {} and {} in the site file, or their labels on the "
+            "exchange the positions of {} {} and {} in the site file, or their labels on the "
             "wall",
+            culprits[i].what == culprits[j].what && culprits[i].what == What::kControlPoint ? "control points"
+                                                                                            : "beacons",
             stated_.site().beacons[a].name, stated_.site().beacons[b].name);
         found.erase(found.begin() + static_cast<std::ptrdiff_t>(j));
         return;
@@ -132,18 +138,27 @@ class StatementWords {
     return found;
   }
 
-  void describe_control_point(const Statement& s, const SharedState& state, Contradiction& c) const {
+  static bool is_place(const Statement& s) { return s.what == What::kControlPoint || s.what == What::kPlace; }
+
+  void describe_place(const Statement& s, const SharedState& state, Contradiction& c) const {
     const SiteBeacon& b = stated_.site().beacons[s.index];
-    const Eigen::Vector3d stated = *b.place_m(),
-                          found = on_stated_side(stated, state.beacon_p_map_m[s.index]);
-    c.kind = ContradictionKind::kControlPoint;
+    Eigen::Vector3d stated = state.beacon_p_map_m[s.index];  // coordinates without a stated value agree
+    double sigma_m = 0.0;
+    for (int i = 0; i < 3; ++i)
+      if (const auto k = static_cast<std::size_t>(i); b.position_m[k] && b.sigma_m[k]) {
+        stated[i] = *b.position_m[k];
+        sigma_m = std::max(sigma_m, *b.sigma_m[k]);
+      }
+    const Eigen::Vector3d found = on_stated_side(stated, state.beacon_p_map_m[s.index]);
+    const bool is_held = s.what == What::kControlPoint;
+    c.kind = is_held ? ContradictionKind::kControlPoint : ContradictionKind::kBeacon;
     c.subject = b.name;
-    c.stated = fmt::format("at {}, held fixed", point(stated));
+    c.stated = fmt::format("at {}, {}", point(stated), is_held ? "held fixed" : "sigma " + length(sigma_m));
     c.found = fmt::format("at {}, {} away", point(found), length((found - stated).norm()));
-    c.remedy = fmt::format(
-        "survey control point {} again, check its label and its entry in the site file; or give it a "
-        "sigma_m, so that the others determine its position",
-        b.name);
+    c.remedy =
+        fmt::format("survey {} {} again, check its label and its entry in the site file; or give it a {}",
+                    is_held ? "control point" : "beacon", b.name,
+                    is_held ? "sigma_m, so that the others determine its position" : "larger sigma_m");
   }
 
   [[nodiscard]] Prior timing_prior() const {
@@ -165,12 +180,10 @@ class StatementWords {
     // The full delay: the site, or all receivers alike, may have a part of it.
     const double held_s =
         state.site_delay_s + (state.receiver_delay_s.empty() ? 0.0 : state.receiver_delay_s.front());
-    double least = INFINITY, most = -INFINITY;
-    for (std::size_t b = 0; b < state.beacon_delay_s.size(); ++b) {
-      if (!fit_.beacon_usable[b]) continue;
-      least = std::min(least, held_s + state.beacon_delay_s[b]);
-      most = std::max(most, held_s + state.beacon_delay_s[b]);
-    }
+    std::vector<std::pair<double, std::size_t>> delays;
+    for (std::size_t b = 0; b < state.beacon_delay_s.size(); ++b)
+      if (fit_.beacon_usable[b]) delays.emplace_back(held_s + state.beacon_delay_s[b], b);
+    std::ranges::sort(delays);
     const Timing& timing = stated_.site().timing;
     const double stated_s = timing.delay_s, sigma_s = largest_delay_sigma_s(stated_.site());
     const bool each = timing.delay_per.beacon && sigma_s > 0,
@@ -184,10 +197,31 @@ class StatementWords {
                : own             ? std::string("delays of the beacons, held fixed (delay_sigma_s: 0)")
                : stated_s == 0.0 ? std::string("no delay (timing.delay_per: none)")
                                  : "a delay of exactly " + time(stated_s);
-    c.found = fmt::format("delays from {} to {}", time(least), time(most));
+    c.found = fmt::format("delays from {} to {}", time(delays.front().first), time(delays.back().first));
     c.remedy = "state the delay in the site file: timing.delay_per: beacon, with delay_s and delay_sigma_s";
     if (each)
       c.remedy = "state the delays as they are known: timing.delay_s, or a larger timing.delay_sigma_s";
+    const auto lone = lone_delay(delays);
+    if (!lone) return;
+    c.subject = stated_.site().beacons[lone->second].name;
+    c.found = fmt::format("a delay of {}, and about {} of all others", time(lone->first),
+                          time(delays[delays.size() / 2].first));
+    c.remedy = fmt::format("look at the settings and the electronics of {}; {}", c.subject, c.remedy);
+  }
+
+  /// The one delay that differs from all others, if there is one.
+  /// @param delays  sorted, with their beacons
+  static std::optional<std::pair<double, std::size_t>> lone_delay(
+      const std::vector<std::pair<double, std::size_t>>& delays) {
+    constexpr std::size_t kFewest = 4;
+    constexpr double kPlainly = 5.0;  // times the range of the others
+    if (delays.size() < kFewest) return {};
+    const std::size_t last = delays.size() - 1;
+    const double above = delays[last].first - delays[last - 1].first,
+                 below = delays[1].first - delays[0].first;
+    if (above > kPlainly * (delays[last - 1].first - delays[0].first)) return delays[last];
+    if (below > kPlainly * (delays[last].first - delays[1].first)) return delays[0];
+    return {};
   }
 
   void describe_speed(const Statement& s, Contradiction& c) const {

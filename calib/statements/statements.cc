@@ -82,6 +82,7 @@ class StatementTest {
     if (!now_.x.allFinite()) return {};
     errors_ = errors_of(options_, now_);
     StatementFindings found;
+    found.as_stated = now_;
     std::vector<double> sigmas;
     while (released_.size() + found.errors.size() < kMostCulprits) {
       auto culprit = next_culprit();
@@ -221,7 +222,7 @@ class StatementTest {
   /// Returns true for a control point most of whose arrivals were rejected, so that its innovation is not
   /// informative.
   [[nodiscard]] bool is_mostly_left_out(const Statement& s) const {
-    if (s.what != What::kControlPoint) return false;
+    if (s.what != What::kControlPoint && s.what != What::kPlace) return false;
     const RejectionCounts counts =
         rejections_by_beacon(now_.trajectories, now_.beacon_usable.size())[s.index];
     const std::size_t placed = counts.all() - counts.of(Rejection::kNoPose);
@@ -272,14 +273,15 @@ class StatementTest {
   }
 
   /// Reports an error: as a contradiction if it explains most of the misfit or is of a kind that is never
-  /// normal, otherwise as a warning.
+  /// normal, otherwise as a warning. No site file states the pattern of receivers.
   void say(const Culprit& c, StatementFindings& found) const {
     Contradiction what = contradiction_of(*c.error, site(), whole_.runs);
     if (c.or_else) what.found += ", or else " + contradiction_of(*c.or_else, site(), whole_.runs).found;
     const CommonError::Kind kind = c.error->kind;
     const bool is_stated =
         is_of_odometry(*c.error) || kind == CommonError::Kind::kJump || kind == CommonError::Kind::kShift;
-    if (c.fit.cost < kLeavesLess * now_.cost || (is_stated && !c.or_else)) {
+    if (kind != CommonError::Kind::kPattern &&
+        (c.fit.cost < kLeavesLess * now_.cost || (is_stated && !c.or_else))) {
       found.contradictions.push_back(std::move(what));
     } else {
       found.warnings.push_back(octant::in_words(what) + "; " + what.remedy);

@@ -17,6 +17,7 @@ struct StatementFindings {
   std::vector<Contradiction> contradictions;
   std::vector<std::string> warnings;  ///< errors that explain only a part of the misfit
   std::vector<CommonError> errors;    ///< errors common to many observations, most significant first
+  std::optional<Fit> as_stated;       ///< fit with all assumptions; no value without tests
   std::optional<Fit> fit;  ///< fit with all contradicted assumptions released; no value without tests
 };
 

@@ -104,6 +104,15 @@ bool are_few_left_out(const std::vector<Trajectory>& trajectories) {
 void contradict(const Problem& problem, const SolveOptions& options, const Estimate& estimate, double growth,
                 Solution& solution) {
   StatementFindings stated = test_statements(problem, options, estimate, solution.trajectories);
+  // One beacon that moved is more likely than several false assumptions that explain less.
+  if (!stated.contradictions.empty() && stated.errors.empty()) {
+    std::vector<Contradiction> moves =
+        moves_of(problem, options, *stated.as_stated, stated.fit->cost, growth);
+    if (!moves.empty()) {
+      stated.contradictions = std::move(moves);
+      stated.fit = std::move(stated.as_stated);
+    }
+  }
   solution.common_errors = std::move(stated.errors);
   for (Contradiction& c : stated.contradictions) solution.contradictions.push_back(std::move(c));
   if (!stated.fit) return;

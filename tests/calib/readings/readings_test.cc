@@ -310,8 +310,8 @@ TEST(Readings, NameMeasuredPosesThatAreStampedLateOrEarly) {
     const std::string before = "stamped ";
     const std::size_t at = found[0].found.find(before);
     ASSERT_NE(at, std::string::npos) << found[0].found;
-    // A lag that competes as a shared error is estimated to first order: 0.0567 s for 0.06 s here.
-    EXPECT_NEAR(std::stod(found[0].found.substr(at + before.size())), std::abs(lag_s), 0.1 * std::abs(lag_s));
+    EXPECT_NEAR(std::stod(found[0].found.substr(at + before.size())), std::abs(lag_s),
+                0.02 * std::abs(lag_s));
     EXPECT_THAT(found[0].found, HasSubstr(lag_s > 0 ? "s late" : "s early"));
   }
 }

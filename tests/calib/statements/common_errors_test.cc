@@ -59,6 +59,32 @@ TEST(CommonErrors, AreToldApartAndSized) {
   }
 }
 
+/// Makes ranges longer in front of each receiver, and shorter behind it.
+World with_pattern(World world, double amplitude_m) {
+  const double speed = speed_mps(world.site.medium);
+  for (Arrival& a : world.run.arrivals) {
+    Pose pose;
+    EXPECT_TRUE(interpolate_poses(world.run.truth, a.time_s, 10.0, pose));
+    const Eigen::Vector3d& p_m = world.site.receivers[a.receiver.index()].position_m;
+    const Eigen::Vector3d to_beacon_m = world.truth.beacons[a.beacon.index()].position_m - pose * p_m,
+                          outwards = pose.rotation * Eigen::Vector3d(p_m.x(), p_m.y(), 0.0).normalized();
+    a.tof_s += amplitude_m * outwards.dot(to_beacon_m.normalized()) / speed;
+  }
+  return world;
+}
+
+// The receivers were blamed, each of them a little further in than stated.
+TEST(CommonErrors, APatternOfTheReceiversIsNoPlaceOfReceivers) {
+  for (const double amplitude_m : {0.03, -0.03}) {
+    const calib::Solution solution = solution_of(with_pattern(cart(60, 4, 0.0), amplitude_m));
+    EXPECT_THAT(solution.contradictions, IsEmpty());
+    ASSERT_FALSE(solution.common_errors.empty());
+    EXPECT_EQ(solution.common_errors.front().kind, Kind::kPattern);
+    EXPECT_NEAR(solution.common_errors.front().size, amplitude_m, 0.2 * std::abs(amplitude_m));
+    EXPECT_THAT(solution.warnings, Contains(HasSubstr("patterns of antennas and transducers")));
+  }
+}
+
 // Its sigmas were a tenth of the errors of the beacons, and the grade was Good.
 TEST(CommonErrors, OdometryThatTurnsTooFarIsContradicted) {
   const World world = with_error(must(simulate(drive_scenario(), 6)), {.kind = Kind::kTurns, .size = 0.02});

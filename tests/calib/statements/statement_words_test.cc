@@ -152,6 +152,17 @@ TEST(StatementWords, OfNoDelaySayThatNoneWasStated) {
   EXPECT_EQ(d.only().found, "delays from 100.0 us to 700.0 us");
 }
 
+TEST(StatementWords, NameTheOnlyBeaconWithADelay) {
+  Site site = hall_site();
+  site.timing.delay_per = {};
+  site.timing.delay_s = site.timing.delay_sigma_s = 0.0;
+  Disbelieved d(site, {{What::kNoDelays, 0}});
+  for (std::size_t b = 0; b < 8; ++b)
+    d.found(parameters::beacon_delay(b), b == 3 ? -3.5e-4 : 1e-6 * static_cast<double>(b));
+  EXPECT_EQ(d.only().subject, "B3");
+  EXPECT_EQ(d.only().found, "a delay of -350.0 us, and about 4.0 us of all others");
+}
+
 TEST(StatementWords, OfTheSpeedSayWhatTemperatureItWouldBe) {
   Disbelieved d(hall_site(), {{What::kSpeed, 0}});
   Trajectory t;
