@@ -84,4 +84,15 @@ std::vector<ReadingFamily> odometry_stamped_late(const std::vector<MeasurementLo
                          })};
 }
 
+void join_odometry_to_wiring(std::vector<Contradiction>& reported) {
+  const auto of_kind = [&](ContradictionKind kind) {
+    return std::ranges::find(reported, kind, &Contradiction::kind);
+  };
+  const auto wiring = of_kind(ContradictionKind::kWiring), odometry = of_kind(ContradictionKind::kLog);
+  if (wiring == reported.end() || odometry == reported.end() || !odometry->subject.ends_with("odometry.csv"))
+    return;
+  wiring->remedy += fmt::format("; if these are right, of {}: {}", odometry->subject, odometry->remedy);
+  reported.erase(odometry);
+}
+
 }  // namespace octant::calib

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "calib/readings/reading.h"
+#include "models/contradiction.h"
 
 namespace octant::calib {
 
@@ -17,5 +18,9 @@ namespace octant::calib {
 [[nodiscard]] std::vector<Reading> other_odometry(const std::vector<MeasurementLog>& runs);
 /// Hypotheses on a time lag of the odometry. Empty without planar odometry.
 [[nodiscard]] std::vector<ReadingFamily> odometry_stamped_late(const std::vector<MeasurementLog>& runs);
+
+/// Joins receivers rotated by 180 degrees with reversed odometry, which are equivalent. The site file is
+/// wrong more often.
+void join_odometry_to_wiring(std::vector<Contradiction>& reported);
 
 }  // namespace octant::calib

@@ -53,8 +53,6 @@ class Search {
   std::vector<Contradiction> other_culprits() {
     score_as_stated();
     if (is_blamed(ContradictionKind::kControlPoint)) try_exchanged_points();
-    rival_loss_ =
-        score_of(without_what_is_blamed(site_, solution_.contradictions), second_, options_, true).loss;
     if (is_blamed(ContradictionKind::kSpeed)) try_out(scales(), true);
     try_out(heights_downwards(site_), true);
     if (do_poses_tumble(problem_.runs)) try_out(other_pose_frames(problem_.runs), true);
@@ -69,8 +67,9 @@ class Search {
     const bool jumps = ranges_show_a_jump(site_, problem_.runs);
     // If the ranges alone show a jump, it is examined early, because other searches would be long and
     // useless. Before it come causes common to all arrivals, which explain all of them or none.
-    try_out(common_delay(site_, problem_.typical_range_m));
     try_out(heights_downwards(site_));
+    if (is_explained()) return best();
+    try_out(common_delay(site_, problem_.typical_range_m));
     try_out(drifting_clocks(site_, problem_.runs, options_));
     if (stated_.agreeing < kScaleAgrees) try_out(points_elsewhere(site_));
     std::erase_if(found_, [](const ScoredReading& t) { return !explains_all(t.score); });
@@ -116,6 +115,19 @@ class Search {
     return readings;
   }
 
+  /// Loss of what is blamed already, which competes with all hypotheses by its likelihood, less what its free
+  /// parameters gain by chance (Schwarz 1978). Infinite if nothing is blamed.
+  [[nodiscard]] double rival_loss() const {
+    if (rival_loss_) return *rival_loss_;
+    rival_loss_ = INFINITY;
+    if (solution_.contradictions.empty()) return *rival_loss_;
+    const ReleasedSite released = without_what_is_blamed(site_, solution_.contradictions);
+    const ReadingScore s = score_of(released.site, second_, options_, true);
+    const double n = std::max(1.0, s.arrivals);
+    rival_loss_ = s.loss + 0.5 * static_cast<double>(released.parameters) * std::log(n) / n;
+    return *rival_loss_;
+  }
+
   void score_as_stated() {
     first_ = few_of(problem_.runs, site_, kFirstShare);
     second_ = few_of(problem_.runs, site_, kSecondShare);
@@ -159,7 +171,7 @@ class Search {
   /// Returns true if a hypothesis is acceptable by itself and better than the contradictions found already.
   [[nodiscard]] bool is_good(const ReadingScore& s) const {
     return s.agreeing >= std::max(kAgreeingShare, agreeing_as_stated(s.noise) - kFewer) &&
-           s.noise <= kNoise && s.redundancy >= kRedundant && s.loss < rival_loss_ - kTie;
+           s.noise <= kNoise && s.redundancy >= kRedundant && s.loss < rival_loss();
   }
 
   [[nodiscard]] bool explains(const ReadingScore& s) const {
@@ -327,20 +339,6 @@ class Search {
     return site.timing.delay_per.none() ? 0.0 : site.timing.delay_s;
   }
 
-  /// Joins receivers rotated by 180 degrees with reversed odometry, which are equivalent. The site file is
-  /// wrong more often.
-  static void join_odometry_to_wiring(std::vector<Contradiction>& reported) {
-    const auto of_kind = [&](ContradictionKind kind) {
-      return std::ranges::find(reported, kind, &Contradiction::kind);
-    };
-    const auto wiring = of_kind(ContradictionKind::kWiring), odometry = of_kind(ContradictionKind::kLog);
-    if (wiring == reported.end() || odometry == reported.end() ||
-        !odometry->subject.ends_with("odometry.csv"))
-      return;
-    wiring->remedy += fmt::format("; if these are right, of {}: {}", odometry->subject, odometry->remedy);
-    reported.erase(odometry);
-  }
-
   /// Returns the likeliest hypothesis, and equally likely ones of other kinds. Within a kind, the first of
   /// the equally good ones is the likelier mistake; hypotheses that ignore fewer positions come first.
   std::vector<Contradiction> best() {
@@ -379,7 +377,7 @@ class Search {
   Site site_;
   std::vector<MeasurementLog> first_, second_;  ///< evenly spread parts for the first and the second trial
   ReadingScore stated_first_, stated_;
-  double rival_loss_ = INFINITY;  ///< loss with the contradicted assumptions released
+  mutable std::optional<double> rival_loss_;  ///< see rival_loss()
   std::vector<ScoredReading> found_;
 };
 

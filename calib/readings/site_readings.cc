@@ -228,26 +228,28 @@ bool are_all_placed(const Site& site) {
   return std::ranges::all_of(site.beacons, [](const SiteBeacon& b) { return b.place_m().has_value(); });
 }
 
-Site without_what_is_blamed(const Site& site, const std::vector<Contradiction>& blamed) {
+ReleasedSite without_what_is_blamed(const Site& site, const std::vector<Contradiction>& blamed) {
   constexpr double kLooseReceiver_m = 0.5, kLooseSpeed_mps = 30.0, kLooseDelay = 100.0;
-  Site open = site;
+  ReleasedSite released{site};
+  Site& open = released.site;
   for (const Contradiction& c : blamed) {
     const auto names = [&](const std::string& name) {
       return (", " + c.subject + ",").find(", " + name + ",") != std::string::npos;
     };
-    for (SiteBeacon& b : open.beacons)
-      if ((c.kind == ContradictionKind::kControlPoint || c.kind == ContradictionKind::kExchanged) &&
-          names(b.name))
-        b.sigma_m = {};
-    if (c.kind == ContradictionKind::kSpeed) open.speed_sigma_mps = kLooseSpeed_mps;
+    if (c.kind == ContradictionKind::kControlPoint || c.kind == ContradictionKind::kExchanged ||
+        c.kind == ContradictionKind::kBeacon)
+      for (SiteBeacon& b : open.beacons)
+        if (names(b.name)) b.sigma_m = {}, released.parameters += 3;
+    if (c.kind == ContradictionKind::kSpeed) open.speed_sigma_mps = kLooseSpeed_mps, ++released.parameters;
     if (c.kind == ContradictionKind::kReceiver)
-      for (SiteReceiver& r : open.receivers) r.sigma_m.setConstant(kLooseReceiver_m);
+      for (SiteReceiver& r : open.receivers)
+        r.sigma_m.setConstant(kLooseReceiver_m), released.parameters += 3;
     if (c.kind != ContradictionKind::kDelay) continue;
     if (open.timing.delay_per.none()) open.timing.delay_per.beacon = true;
     open.timing.delay_sigma_s = kLooseDelay * std::max(site.timing.delay_sigma_s, site.noise.tof_sigma_s);
-    for (SiteBeacon& b : open.beacons) b.delay_sigma_s.reset();
+    for (SiteBeacon& b : open.beacons) b.delay_sigma_s.reset(), ++released.parameters;
   }
-  return open;
+  return released;
 }
 
 std::vector<Reading> other_site_frames(const Site& site) {

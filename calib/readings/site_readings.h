@@ -39,7 +39,12 @@ namespace octant::calib {
 /// Returns true if the site file gives the position of each beacon. A beacon without one can absorb a wrong
 /// scale of the others.
 [[nodiscard]] bool are_all_placed(const Site& site);
-/// Returns the site with the blamed control points, delays, receivers and speed released.
-[[nodiscard]] Site without_what_is_blamed(const Site& site, const std::vector<Contradiction>& blamed);
+/// Site in which some of what it states is released, and the number of parameters that are free by this.
+struct ReleasedSite {
+  Site site;
+  std::size_t parameters = 0;
+};
+/// Releases the blamed positions, delays, receivers and speed.
+[[nodiscard]] ReleasedSite without_what_is_blamed(const Site& site, const std::vector<Contradiction>& blamed);
 
 }  // namespace octant::calib
