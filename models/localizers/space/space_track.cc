@@ -25,6 +25,7 @@ constexpr std::size_t kPoseArrivals =
     7;  ///< number of arrivals at an instant for a checked pose with six degrees of freedom
 constexpr std::ptrdiff_t kAttitudeReceivers = 3;  ///< receivers of a vehicle that determine its attitude
 constexpr int kTailRounds = 6;             ///< most rounds in which sigmas of lasting errors are widened
+constexpr std::size_t kMostRepeats = 5;    ///< of the number of instants; single fixes follow, in linear time
 constexpr int kMostSides = 4;              ///< number of rounds in which the sides of a track are examined
 constexpr std::size_t kFewestBeacons = 3;  ///< number of beacons that determine a position in space
 /// Candidate densities of the white-noise acceleration [m^2/s^3]: from a carried tripod to a racing drone.
@@ -48,10 +49,11 @@ class SpaceTracker {
       }
       Fix alone = fix_alone(k);
       std::optional<SpaceStart> start;
-      if (alone.protection_level_m > 0.0)
+      const bool may_track = repeated_ <= kMostRepeats * ranges_.instants.size();
+      if (may_track && alone.protection_level_m > 0.0)
         start = start_at(alone.T_map_vehicle.translation_m, alone.covariance.topLeftCorner<3, 3>().inverse(),
                          setting_);
-      if (!start) start = place_in_space(ranges_, k, setting_);
+      if (may_track && !start) start = place_in_space(ranges_, k, setting_);
       const std::size_t next = start ? follow(k, *start, fixes) : k;
       if (next <= k) fixes.push_back(std::move(alone));
       k = std::max(next, k + 1);
@@ -76,6 +78,7 @@ class SpaceTracker {
       found.emplace(track_until(end, k, start, density));
       agreed = contradicted_from(k, found->steps());
       if (agreed == k + found->steps().size()) break;
+      repeated_ += end - agreed;
     }
     if (end <= k + 1) return k;
     // The arrivals that led to the loss belong to the next track.
@@ -291,6 +294,7 @@ class SpaceTracker {
   SpaceSetting setting_;
   VehicleId vehicle_;
   SpaceRanges ranges_;
+  std::size_t repeated_ = 0;     ///< instants that were tracked and then left to another track
   LeastSquaresLocalizer alone_;  ///< for instants without a track
 };
 
