@@ -114,7 +114,7 @@ class Entries(unittest.TestCase):
         self.addCleanup(self.folder.cleanup)
         scenario = os.path.join(self.folder.name, "scenario.yaml")
         shutil.copy(os.path.join(SOURCE, "datasets", "hall", "scenario.yaml"), scenario)
-        replaced(scenario, "epochs: 150", "epochs: 500")
+        replaced(scenario, "epochs: 150", "epochs: 800")  # two megabytes in memory, so that --memory-mb 1 reads it in chunks
         self.world = os.path.join(self.folder.name, "world")
         subprocess.run([OCTANT, "simulate", scenario, "-o", self.world, "-q"], check=True, timeout=60, stdout=subprocess.DEVNULL)
 
