@@ -12,6 +12,7 @@
 
 #include "apps/octant/interrupt.h"
 #include "apps/octant/session.h"
+#include "apps/octant/steps/reporting.h"
 #include "apps/octant/steps/revisiting.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/survey_input.h"
@@ -166,6 +167,7 @@ py::tuple calibrate(const SiteOrPath& site, const std::vector<RunOrPath>& runs, 
     };
     app::Calibration calibration = calibrated();
     Json result = app::calibration_json(calibration, session);
+    result["verdict"] = app::verdict_json(app::calibration_report(calibration, {}, session));
     if (calibration.exported()) deployment = std::move(calibration.deployment);
     if (const auto failure = app::failure_of(calibration); failure && !deployment)
       return session.fail(*failure, result);

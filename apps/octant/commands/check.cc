@@ -18,6 +18,7 @@
 #include "apps/octant/text/layout.h"
 #include "calib/statements/hints.h"
 #include "io/site/site_yaml.h"
+#include "io/text/json_values.h"
 
 namespace octant::app {
 namespace {
@@ -103,6 +104,7 @@ Json forecast_verdict_json(const calib::Forecast& f) {
           {"speed_mps", f.speed_mps > 0 ? Json(f.speed_mps) : Json(nullptr)},
           {"speed_sigma_mps", f.speed_sigma_mps},
           {"datum", s.datum.description},
+          {"contradictions", io::json_of(s.contradictions)},
           {"arrivals", f.arrivals},
           {"arrivals_looked_at", f.arrivals_used},
           {"states", f.states},
