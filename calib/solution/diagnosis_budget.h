@@ -20,8 +20,8 @@ namespace octant::calib {
 }
 
 /// Bounds one step of a diagnosis by the time that is left of three times the time of the fit (a minute at
-/// most) and SolveOptions::diagnosis_s, or of a share of that. The step's time counts when the object goes out of
-/// scope.
+/// most) and SolveOptions::diagnosis_s, or of a share of that. The step's time counts when the object goes
+/// out of scope.
 class DiagnosisBudget {
  public:
   /// Options and diagnosis must outlive it.

@@ -15,10 +15,8 @@ struct OdometryVariance {
   double heading_rad2 = 0.0;  ///< about each axis for spatial motion
 };
 
-/// Noise of OdometryAccuracy for the length and turn of a step. It is never zero, as rows at rest without a
-/// floor would be: least squares weights with the inverse.
+/// Noise of OdometryAccuracy for the length and turn of a step.
 [[nodiscard]] inline OdometryVariance variance_of(const OdometryStep& step, const OdometryAccuracy& a) {
-  constexpr double kLeast_m = 1e-6, kLeast_rad = 1e-6;
   const auto square = [](double x) { return x * x; };
   const double chord_m = std::hypot(step.dx_m, step.dy_m, step.dz_m), d = std::max(chord_m, step.way_m),
                turn = std::hypot(step.dheading_rad, step.turn_x_rad, step.turn_y_rad);
@@ -27,7 +25,15 @@ struct OdometryVariance {
                             square(a.floor_rad)};
   // A heading error along a long row displaces its end sideways in proportion to the remaining distance.
   if (step.way_m > 0) v.distance_m2 += v.heading_rad2 * square(chord_m) / 3;
-  return {std::max(v.distance_m2, square(kLeast_m)), std::max(v.heading_rad2, square(kLeast_rad))};
+  return v;
+}
+
+/// The same for estimation, which weights with the inverse: never zero, as for rows at rest without a floor.
+[[nodiscard]] inline OdometryVariance estimation_variance_of(const OdometryStep& step,
+                                                             const OdometryAccuracy& a) {
+  constexpr double kLeast_m2 = 1e-12, kLeast_rad2 = 1e-12;
+  const OdometryVariance v = variance_of(step, a);
+  return {std::max(v.distance_m2, kLeast_m2), std::max(v.heading_rad2, kLeast_rad2)};
 }
 
 }  // namespace octant

@@ -16,7 +16,7 @@ OdometryPath odometry_path(const MeasurementLog& log, VehicleId vehicle) {
   for (const OdometryStep& step : log.odometry) {
     if (step.vehicle != vehicle) continue;
     if (!first) T = T * step.pose();
-    const OdometryVariance variance = variance_of(step, log.odometry_accuracy);
+    const OdometryVariance variance = estimation_variance_of(step, log.odometry_accuracy);
     path.time_s.push_back(step.time_s);
     path.T_anchor_vehicle.push_back(T);
     path.distance_variance_m2.push_back(variance.distance_m2);

@@ -95,7 +95,7 @@ OdometryQueue::RowMotion OdometryQueue::motion_of(const Row& row, bool anchored,
   const double since_s = row.time_s - last_row_s;
   OdometryStep step = row.step;
   if (row.is_pose) step.set_pose(T_last->inverse() * row.T_odometry_vehicle);
-  const OdometryVariance variance = variance_of(step, accuracy_);
+  const OdometryVariance variance = estimation_variance_of(step, accuracy_);
   motion.T_before_after = step.pose();
   motion.distance_m2 = variance.distance_m2;
   motion.heading_rad2 = variance.heading_rad2;
