@@ -15,7 +15,7 @@ Eigen::Matrix3d advance(OdometryState& state, const OdometryStep& step, const Od
       Eigen::Rotation2Dd(state.heading_rad) * Eigen::Vector2d(fraction * step.dx_m, fraction * step.dy_m);
   Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
   F.topRightCorner<2, 1>() = left_of(move);
-  const OdometryVariance variance = estimation_variance_of(step, accuracy);
+  const OdometryVariance variance = variance_of(step, accuracy);
   state.covariance = F * state.covariance * F.transpose();
   state.covariance.diagonal() +=
       fraction * Eigen::Vector3d(variance.distance_m2, variance.distance_m2, variance.heading_rad2);
