@@ -28,7 +28,7 @@ struct OdometryVariance {
   return v;
 }
 
-/// The same for estimation, which weights with the inverse: never zero, as for rows at rest without a floor.
+/// Variances that an adjustment may weight with. The stated ones are zero for rows at rest without a floor.
 [[nodiscard]] inline OdometryVariance estimation_variance_of(const OdometryStep& step,
                                                              const OdometryAccuracy& a) {
   constexpr double kLeast_m2 = 1e-12, kLeast_rad2 = 1e-12;

@@ -27,8 +27,8 @@ struct DriveMember {
 /// additional filter for each member, which never uses its arrivals (solution separation, see separation.h
 /// for a single fix). It does not depend on the errors of that member's arrivals or on the duration of a
 /// fault. The protection level is therefore the largest distance to one of these filters plus its own error.
-/// Of all members, the one whose filter fits its arrivals best is faulty if position or heading of that
-/// filter deviate by six sigmas. The filter takes over, and the member is excluded until kGoodInARow
+/// The filter that fits its arrivals best decides about its member: if its position or heading deviates by
+/// six sigmas, the member is faulty. The filter takes over, and the member is excluded until kGoodInARow
 /// consecutive arrivals agree again.
 ///
 /// The kMostBeacons received last and kMostReceivers are followed, or fewer if the calibration that each
