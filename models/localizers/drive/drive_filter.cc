@@ -72,7 +72,10 @@ void DriveFilterOf<kDof>::move_all(Move&& move) {
 template <int kDof>
 void DriveFilterOf<kDof>::pass_time(double span_s) {
   passed_s_ += span_s;
-  if (is_ping_open_ && passed_s_ > kPing_s) end_ping();
+  if (is_ping_open_ && passed_s_ > kPing_s) {
+    end_ping();
+    estimate();
+  }
   belief_.drift_speed(span_s);
 }
 
@@ -132,23 +135,30 @@ void DriveFilterOf<kDof>::begin_ping(const ArrivalObservation& a) {
   echoes_weight_ = 1.0 - whole_weight_;
 }
 
-/// Mean and covariance of the mixture of all hypotheses.
+/// Visits the explanations that matter with their weight and the sum of all weights up to theirs.
+template <int kDof>
+template <class Add>
+void DriveFilterOf<kDof>::add_explanations(Add&& add) {
+  double sum = whole_weight_ + echoes_weight_;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Explanation& one = explanation(i);
+    if (one.weight < kNegligible) continue;
+    sum += one.weight;
+    add(one.belief, one.weight, sum);
+  }
+}
+
+/// Makes the mixture of all hypotheses the belief.
 template <int kDof>
 void DriveFilterOf<kDof>::end_ping() {
   is_ping_open_ = false;
-  double sum = whole_weight_ + echoes_weight_;
-  for (std::size_t i = 0; i < count_; ++i) {
-    const Belief& belief = explanation(i).belief;
-    const double weight = explanation(i).weight;
-    if (weight < kNegligible) continue;
-    sum += weight;
+  add_explanations([this](const Belief& belief, double weight, double sum) {
     if (sum - weight < kNegligible) {
       belief_.copy_state(belief);
     } else {
       belief_.mix(belief, weight / sum);
     }
-  }
-  estimate();
+  });
 }
 
 /// Pose and covariance of the mixture of all hypotheses.
@@ -157,19 +167,14 @@ void DriveFilterOf<kDof>::estimate() {
   T_map_vehicle_ = belief_.pose();
   covariance_ = belief_.covariance();
   if (!is_ping_open_) return;
-  double sum = whole_weight_ + echoes_weight_;
-  for (std::size_t i = 0; i < count_; ++i) {
-    const Belief& belief = explanation(i).belief;
-    const double weight = explanation(i).weight;
-    if (weight < kNegligible) continue;
-    sum += weight;
+  add_explanations([this](const Belief& belief, double weight, double sum) {
     const double share = weight / sum;
     const Vector off = tangent_between(T_map_vehicle_, belief.pose(), kMotion);
     covariance_ = (1.0 - share) * covariance_ + share * belief.covariance() +
                   share * (1.0 - share) * off * off.transpose();
     const Vector shift = share * off;
     T_map_vehicle_ = retract(T_map_vehicle_, shift, kMotion);
-  }
+  });
 }
 
 /// Adds the hypothesis that an arrival is the first direct one of its ping. Returns its weight.

@@ -99,6 +99,8 @@ class DriveFilterOf {
   template <class Move>
   void move_all(Move&& move);
   void begin_ping(const ArrivalObservation& arrival);
+  template <class Add>
+  void add_explanations(Add&& add);
   void end_ping();
   [[nodiscard]] Rejection explain(const Trajectory& trajectory, const ArrivalObservation& arrival);
   [[nodiscard]] double begin_explanation(const Trajectory& trajectory, const ArrivalObservation& arrival,
