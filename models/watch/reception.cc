@@ -13,7 +13,7 @@ constexpr double kCell_m = 2.0;
 /// Least probability of a miss, for example behind a person; and at places where the beacon was never
 /// received, for example behind a wall.
 constexpr double kLeastMiss = 0.05, kLeastMissElsewhere = 0.2;
-/// Number of places at a distance from which their misses count.
+/// Number of places at a distance, or farther away, from which their misses count.
 constexpr double kEnoughPlaces = 10.0;
 
 constexpr int kMostPlaces = 200;
@@ -87,7 +87,7 @@ std::optional<BeaconId> ReceptionWatch::leave_place(const Eigen::Vector3d& p_map
     }
     beacon.missed[distance] += 1.0F;
     if (here.open < kMostPlaces) ++here.open;
-    beacon.evidence -= std::log(miss_probability(by_distance_[distance], here));
+    beacon.evidence -= std::log(miss_probability(distance, here));
     if (beacon.evidence < threshold_ || beacon.silent || silent) continue;
     beacon.silent = true;
     silent = BeaconId(b);
@@ -96,7 +96,13 @@ std::optional<BeaconId> ReceptionWatch::leave_place(const Eigen::Vector3d& p_map
   return silent;
 }
 
-double ReceptionWatch::miss_probability(const Count& alike, const History& here) {
+double ReceptionWatch::miss_probability(std::size_t distance, const History& here) const {
+  // Beacons that are farther away are missed at least as often, so their places bound the probability.
+  Count alike;
+  for (std::size_t d = distance; d < kDistances && alike.places < kEnoughPlaces; ++d) {
+    alike.places += by_distance_[d].places;
+    alike.missed += by_distance_[d].missed;
+  }
   const double elsewhere = alike.places < kEnoughPlaces
                                ? 1.0
                                : std::max(kLeastMissElsewhere, (alike.missed + 1.0) / (alike.places + 2.0));

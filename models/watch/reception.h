@@ -16,9 +16,9 @@
 namespace octant {
 
 /// Test for beacons that fell silent. The drive is divided into places, and at each place a beacon was
-/// received or missed. The probability of a miss is that of all beacons at the same distance, corrected by
-/// the beacon's own history at this place. Misses in a row multiply, and a reception resets the product. So a
-/// beacon that is out of reach, or behind a wall, is not silent.
+/// received or missed. The probability of a miss is that of all beacons at the same distance or farther away,
+/// corrected by the beacon's own history at this place. Misses in a row multiply, and a reception resets the
+/// product. So a beacon that is out of reach, or behind a wall, is not silent.
 class ReceptionWatch {
  public:
   /// @param threshold  on the sum of -ln(probability of a miss)
@@ -50,7 +50,7 @@ class ReceptionWatch {
     std::array<float, kDistances> missed{};  ///< places missed since the last reception, by distance
   };
   void close_misses(std::size_t beacon);
-  [[nodiscard]] static double miss_probability(const Count& alike, const History& here);
+  [[nodiscard]] double miss_probability(std::size_t distance, const History& here) const;
   [[nodiscard]] std::size_t cell_of(const Eigen::Vector3d& p_map_m);
 
   double threshold_;
