@@ -81,6 +81,10 @@ class DriveFilterOf {
   [[nodiscard]] bool is_within(double place_m, double turn_rad) const;
   /// Returns true if too few of the recent arrivals (exponential window of about thirty) could be used.
   [[nodiscard]] bool is_lost() const { return acceptance_ < 0.35; }
+  /// Returns true if the open ping has a direct arrival.
+  [[nodiscard]] bool is_explained() const {
+    return is_ping_open_ && count_ > 0 && explanation(0).weight > 0.5;
+  }
   /// Share of the recent arrivals that could be used.
   [[nodiscard]] double acceptance() const { return acceptance_; }
   /// Mean squared innovation of the recent arrivals in use, over their variance (window of about a hundred).
@@ -110,9 +114,6 @@ class DriveFilterOf {
   /// The more probable ones first.
   [[nodiscard]] Explanation& explanation(std::size_t i) { return explanations_[rank_[i]]; }
   [[nodiscard]] const Explanation& explanation(std::size_t i) const { return explanations_[rank_[i]]; }
-  [[nodiscard]] bool is_explained() const {
-    return is_ping_open_ && count_ > 0 && explanation(0).weight > 0.5;
-  }
   [[nodiscard]] Belief& leading() { return is_explained() ? explanation(0).belief : belief_; }
   [[nodiscard]] const Belief& leading() const { return is_explained() ? explanation(0).belief : belief_; }
 

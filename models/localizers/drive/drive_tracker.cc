@@ -303,7 +303,7 @@ void DriveTracker::CoreOf<kDof>::use_arrivals(std::span<const Arrival> arrivals,
   for (std::size_t i = 0; i < arrivals.size(); ++i) {
     fix.rejections[i] = bank_.update(filter_, instant_, instant_.arrivals[i]);
     if (is_by_residual(fix.rejections[i]))
-      loss_.add(arrivals[i].beacon, arrivals[i].time_s, fix.rejections[i] == Rejection::kUsed);
+      loss_.add(arrivals[i].beacon, arrivals[i].time_s, filter_.is_explained());
   }
   count_rejections(fix);
   if (was_calm) search_.begin(odometry_.now_s());

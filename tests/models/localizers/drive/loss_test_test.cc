@@ -33,6 +33,15 @@ TEST(LossTest, AnEchoThatReachesAllReceiversCountsOnce) {
   EXPECT_TRUE(test.is_calm());
 }
 
+TEST(LossTest, TheLastVerdictOnAPingCounts) {
+  LossTest test;
+  for (int k = 0; k < 20; ++k) {  // an echo at the first receiver, a direct arrival at the second one
+    test.add(BeaconId(std::size_t{1}), 0.1 * k, false);
+    test.add(BeaconId(std::size_t{1}), 0.1 * k + 1e-3, true);
+    EXPECT_TRUE(test.is_calm());
+  }
+}
+
 TEST(LossTest, OneEchoInTenIsNoLoss) {
   std::mt19937_64 random(5);
   LossTest test;
