@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
+#include <fmt/format.h>
 #include <Eigen/Cholesky>
 
 #include "models/localizers/common/open_attitude.h"
@@ -101,7 +104,7 @@ struct ErrorSums {
   std::vector<double> position_m, horizontal_m, vertical_m;
   double heading_rad2 = 0.0, nees = 0.0;
   std::size_t headings = 0, nees_count = 0;
-  std::size_t reference_poses = 0, covered = 0;
+  std::size_t fixes = 0, no_fix = 0, reference_poses = 0, covered = 0;
 
   void add(const ErrorSums& other) {
     for (auto list : {&ErrorSums::position_m, &ErrorSums::horizontal_m, &ErrorSums::vertical_m})
@@ -110,9 +113,12 @@ struct ErrorSums {
     nees += other.nees;
     headings += other.headings;
     nees_count += other.nees_count;
+    fixes += other.fixes;
+    no_fix += other.no_fix;
     reference_poses += other.reference_poses;
     covered += other.covered;
   }
+  [[nodiscard]] double availability() const { return share(fixes, fixes + no_fix); }
   [[nodiscard]] double coverage() const { return share(covered, reference_poses); }
   static double share(std::size_t part, std::size_t all) {
     return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : 0.0;
@@ -181,25 +187,84 @@ ErrorFigures figures_of(ErrorSums& sums, Motion motion) {
   return figures;
 }
 
-void add_run(const ReferencedRun& run, Motion motion, Evaluation& result, ErrorSums& all) {
-  RunFigures& figures = result.runs.emplace_back();
-  figures.name = run.name;
-  ErrorSums sums;
+std::optional<Pose> reference_at(const ReferencedRun& run, double time_s) {
+  return reference_at(run.truth, time_s, run.truth_accuracy.max_gap_s);
+}
+
+void compare(const ReferencedRun& run, Motion motion, ErrorSums& sums) {
   for (const Fix& fix : run.fixes) {
-    ++(fix.ok() ? figures.fixes : figures.no_fix);
+    ++(fix.ok() ? sums.fixes : sums.no_fix);
     if (!fix.ok()) continue;
-    if (const auto truth = reference_at(run.truth, fix.time_s, run.truth_accuracy.max_gap_s))
-      add_error(run, fix, *truth, motion, sums);
+    if (const auto truth = reference_at(run, fix.time_s)) add_error(run, fix, *truth, motion, sums);
   }
-  sums.reference_poses = run.truth.size();
-  sums.covered = covered_poses(run);
-  all.add(sums);
-  figures.matched = sums.position_m.size();
-  figures.errors = figures_of(sums, motion);
-  figures.availability = ErrorSums::share(figures.fixes, figures.fixes + figures.no_fix);
-  figures.coverage = sums.coverage();
-  result.fixes += figures.fixes;
-  result.no_fix += figures.no_fix;
+  sums.reference_poses += run.truth.size();
+  sums.covered += covered_poses(run);
+}
+
+RunFigures run_figures(std::string name, ErrorSums& sums, Motion motion) {
+  return {.name = std::move(name),
+          .fixes = sums.fixes,
+          .no_fix = sums.no_fix,
+          .matched = sums.position_m.size(),
+          .errors = figures_of(sums, motion),
+          .availability = sums.availability(),
+          .coverage = sums.coverage()};
+}
+
+/// Heights between floors: in the middle of each interval without a reference pose that is as high as a room.
+std::vector<double> heights_between_floors(const std::vector<ReferencedRun>& runs) {
+  constexpr double kLowestRoom_m = 2.0;
+  std::vector<double> heights_m, between_m;
+  for (const ReferencedRun& run : runs)
+    for (const TimedPose& pose : run.truth) heights_m.push_back(pose.T_map_vehicle.translation_m.z());
+  std::ranges::sort(heights_m);
+  for (std::size_t i = 1; i < heights_m.size(); ++i)
+    if (heights_m[i] - heights_m[i - 1] > kLowestRoom_m)
+      between_m.push_back(0.5 * (heights_m[i] + heights_m[i - 1]));
+  return between_m;
+}
+
+/// Part of a recording with heights of the reference in [from_m, to_m). Fixes without a reference have no
+/// floor.
+ReferencedRun part_at(const ReferencedRun& run, double from_m, double to_m) {
+  const auto is_here = [&](const Pose& pose) {
+    return pose.translation_m.z() >= from_m && pose.translation_m.z() < to_m;
+  };
+  ReferencedRun part = run;
+  std::erase_if(part.truth, [&](const TimedPose& pose) { return !is_here(pose.T_map_vehicle); });
+  std::erase_if(part.fixes, [&](const Fix& fix) {
+    const auto truth = reference_at(run, fix.time_s);
+    return !truth || !is_here(*truth);
+  });
+  return part;
+}
+
+double mean_height_m(const std::vector<ReferencedRun>& parts) {
+  double sum_m = 0.0, count = 0.0;
+  for (const ReferencedRun& part : parts)
+    for (const TimedPose& pose : part.truth) {
+      sum_m += pose.T_map_vehicle.translation_m.z();
+      count += 1.0;
+    }
+  return sum_m / count;
+}
+
+std::vector<RunFigures> figures_of_floors(const std::vector<ReferencedRun>& runs, Motion motion) {
+  std::vector<double> limits_m = heights_between_floors(runs);
+  if (limits_m.empty()) return {};
+  limits_m.insert(limits_m.begin(), -std::numeric_limits<double>::infinity());
+  limits_m.push_back(std::numeric_limits<double>::infinity());
+  std::vector<RunFigures> floors;
+  for (std::size_t f = 0; f + 1 < limits_m.size(); ++f) {
+    std::vector<ReferencedRun> parts;
+    ErrorSums sums;
+    for (const ReferencedRun& run : runs) {
+      parts.push_back(part_at(run, limits_m[f], limits_m[f + 1]));
+      compare(parts.back(), motion, sums);
+    }
+    floors.push_back(run_figures(fmt::format("{:.1f} m", mean_height_m(parts)), sums, motion));
+  }
+  return floors;
 }
 
 }  // namespace
@@ -216,9 +281,17 @@ Evaluation evaluate(const std::vector<Fix>& fixes, const std::vector<TimedPose>&
 Evaluation evaluate(const std::vector<ReferencedRun>& runs, Motion motion, const Tolerance& tolerance) {
   Evaluation result;
   ErrorSums sums;
-  for (const ReferencedRun& run : runs) add_run(run, motion, result, sums);
+  for (const ReferencedRun& run : runs) {
+    ErrorSums of_run;
+    compare(run, motion, of_run);
+    result.runs.push_back(run_figures(run.name, of_run, motion));
+    sums.add(of_run);
+  }
+  result.floors = figures_of_floors(runs, motion);
+  result.fixes = sums.fixes;
+  result.no_fix = sums.no_fix;
   result.matched = sums.position_m.size();
-  result.availability = ErrorSums::share(result.fixes, result.fixes + result.no_fix);
+  result.availability = sums.availability();
   result.coverage = sums.coverage();
   if (result.matched == 0) {
     result.gates.push_back({"matched", 1.0, 0.0, false});

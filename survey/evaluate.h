@@ -36,7 +36,7 @@ struct ErrorFigures {
   std::optional<double> ve95_m{}, se95_m{};  ///< vertical and spherical error, for motion in space
 };
 
-/// Fixes of one recording. Sites of several floors or zones are evaluated by a recording of each.
+/// Fixes of one recording, or of one floor.
 struct RunFigures {
   std::string name;
   std::size_t fixes = 0, no_fix = 0, matched = 0;
@@ -61,6 +61,9 @@ struct Evaluation {
   ErrorFigures errors{};
   double availability = 0.0, coverage = 0.0;  ///< as in RunFigures
   std::vector<RunFigures> runs;
+  /// From the lowest one upwards, if the heights of the reference form several groups: "0.4 m" is the mean
+  /// height of a group. Epochs without a fix count where the reference is at that time.
+  std::vector<RunFigures> floors;
   std::vector<Gate> gates;
   [[nodiscard]] bool pass() const;
 };

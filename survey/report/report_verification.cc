@@ -11,11 +11,12 @@ namespace octant::survey {
 
 namespace {
 
-/// A row for each recording, of a site of several floors or zones one of each.
-ReportTable table_of(const std::vector<RunFigures>& runs) {
-  ReportTable table{"verification-runs",
-                    "Each run by itself",
-                    {{"run", true},
+/// A row for each recording or floor.
+ReportTable table_of(const std::vector<RunFigures>& runs, const std::string& id, const std::string& title,
+                     const std::string& subject) {
+  ReportTable table{id,
+                    title,
+                    {{subject, true},
                      {"fixes"},
                      {"availability [%]"},
                      {"coverage [%]"},
@@ -69,7 +70,11 @@ std::optional<ReportSection> verification_section(const ReportInput& input) {
     table.add("NEES over its degrees of freedom",
               fmt::format("{:.2f} (1: the stated sigmas are honest)", *e.nees_mean));
   section.blocks.emplace_back(std::move(table));
-  if (e.runs.size() > 1) section.blocks.emplace_back(table_of(e.runs));
+  if (e.runs.size() > 1)
+    section.blocks.emplace_back(table_of(e.runs, "verification-runs", "Each run by itself", "run"));
+  if (!e.floors.empty())
+    section.blocks.emplace_back(table_of(e.floors, "verification-floors",
+                                         "Each floor by itself, by the height of the reference", "floor"));
   if (e.error_quantiles_m.size() > 1) {
     const auto& limit = input.plan.deployment.tolerance.fix_m;
     section.blocks.emplace_back(ReportFigure{

@@ -48,6 +48,27 @@ TEST(Evaluate, ClosedFormFigures) {
   EXPECT_TRUE(e.pass()) << e.gates[0].value;
 }
 
+/// Two floors 3 m apart: errors of 3 mm below and 4 mm above, where one of two epochs has no fix.
+TEST(Evaluate, EachFloorByItself) {
+  const auto at = [](double x_m, double z_m) { return Pose{{x_m, 0, z_m}, Eigen::Quaterniond::Identity()}; };
+  const std::vector<TimedPose> truth = {
+      {10.0, at(0, 0.4)}, {10.5, at(1, 0.4)}, {20.0, at(0, 3.4)}, {20.5, at(1, 3.4)}};
+  Fix none;
+  none.time_s = 20.5;
+  const std::vector<Fix> fixes = {fix_at(10.0, at(0.003, 0.4)), fix_at(10.5, at(1.003, 0.4)),
+                                  fix_at(20.0, at(0.004, 3.4)), none};
+  const Evaluation e = evaluate(fixes, truth, kExact, Motion::kPlanar, {});
+  ASSERT_EQ(e.floors.size(), 2U);
+  EXPECT_EQ(e.floors[0].name, "0.4 m");
+  EXPECT_EQ(e.floors[1].name, "3.4 m");
+  EXPECT_NEAR(e.floors[0].errors.rmse_m, 0.003, 1e-12);
+  EXPECT_NEAR(e.floors[1].errors.rmse_m, 0.004, 1e-12);
+  EXPECT_EQ(e.floors[1].no_fix, 1U);
+  EXPECT_EQ(e.floors[0].availability, 1.0);
+  EXPECT_EQ(e.floors[1].availability, 0.5);
+  EXPECT_TRUE(evaluate(fixes, kStraight, kExact, Motion::kPlanar, {}).floors.empty()) << "one floor";
+}
+
 TEST(Evaluate, GateFailsAndNoToleranceHasNoGate) {
   const std::vector<Fix> fixes = {fix_at(10.0, Pose::planar(0.01, 0, 0))};
   EXPECT_FALSE(evaluate(fixes, kStraight, kExact, Motion::kPlanar, {.beacon_m = {}, .fix_m = 0.009}).pass());

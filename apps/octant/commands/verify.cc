@@ -63,6 +63,7 @@ int compare(const Deployment& deployment, const std::vector<MeasurementLog>& run
     Json row = evaluation_json(e);
     row.erase("gates");
     row.erase("runs");
+    row.erase("floors");
     row.update({{"method", name}, {"possible", true}, {"seconds_per_fix", 1e-6 * each_us}});
     rows.push_back(std::move(row));
     const auto figure = [&](double value) {

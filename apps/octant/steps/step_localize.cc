@@ -193,10 +193,10 @@ Json errors_json(const survey::ErrorFigures& figures, bool any) {
           {"se95_m", figures.se95_m}};
 }
 
-/// A row for each recording, of a site of several floors or zones one of each.
-std::string runs_text(const std::vector<survey::RunFigures>& runs) {
+/// A row for each recording or floor.
+std::string runs_text(const std::vector<survey::RunFigures>& runs, const char* subject) {
   Table table{"lrrrrrrrr",
-              {{"run", "fixes", "available", "covered", "mean", "RMSE", "CE95", "VE95", "SE95"}}};
+              {{subject, "fixes", "available", "covered", "mean", "RMSE", "CE95", "VE95", "SE95"}}};
   for (const survey::RunFigures& run : runs) {
     const auto length = [&run](const std::optional<double>& value_m) {
       return run.matched > 0 && value_m ? length_text(*value_m) : std::string("-");
@@ -210,29 +210,34 @@ std::string runs_text(const std::vector<survey::RunFigures>& runs) {
   return table.text();
 }
 
-}  // namespace
-
-Json evaluation_json(const survey::Evaluation& e) {
-  const auto figure = [&](double value) { return e.matched > 0 ? Json(value) : Json(nullptr); };
-  Json by_run = Json::array();
-  for (const survey::RunFigures& run : e.runs) {
+Json runs_json(const std::vector<survey::RunFigures>& runs, const char* subject) {
+  Json rows = Json::array();
+  for (const survey::RunFigures& run : runs) {
     Json row = errors_json(run.errors, run.matched > 0);
-    row.update({{"run", run.name},
+    row.update({{subject, run.name},
                 {"fixes", run.fixes},
                 {"no_fix", run.no_fix},
                 {"matched", run.matched},
                 {"rmse_m", run.matched > 0 ? Json(run.errors.rmse_m) : Json(nullptr)},
                 {"availability", run.availability},
                 {"coverage", run.coverage}});
-    by_run.push_back(std::move(row));
+    rows.push_back(std::move(row));
   }
+  return rows;
+}
+
+}  // namespace
+
+Json evaluation_json(const survey::Evaluation& e) {
+  const auto figure = [&](double value) { return e.matched > 0 ? Json(value) : Json(nullptr); };
   Json object = errors_json(e.errors, e.matched > 0);
   object.update({{"fixes", e.fixes},
                  {"no_fix", e.no_fix},
                  {"availability", e.availability},
                  {"coverage", e.coverage},
                  {"latency_s", nullptr},
-                 {"runs", std::move(by_run)},
+                 {"runs", runs_json(e.runs, "run")},
+                 {"floors", runs_json(e.floors, "floor")},
                  {"matched", e.matched},
                  {"position_rmse_m", figure(e.position_rmse_m)},
                  {"position_p95_m", figure(e.position_p95_m)},
@@ -343,7 +348,8 @@ std::string evaluation_text(const survey::Evaluation& e, const Localization& loc
     }
   }
   if (e.gates.empty()) line("gates", "none: the site states no tolerance for fixes");
-  if (e.runs.size() > 1) text += runs_text(e.runs);
+  if (e.runs.size() > 1) text += runs_text(e.runs, "run");
+  if (!e.floors.empty()) text += runs_text(e.floors, "floor");
   return text;
 }
 
