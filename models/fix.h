@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,13 @@ using PoseCovariance = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eig
 /// not estimated.
 inline constexpr double kUnknownRotationVariance = std::numbers::pi * std::numbers::pi / 3;
 
+/// Velocity in the vehicle's frame: along x, y, z [m/s] and about x, y, z [rad/s].
+using Velocity = Eigen::Matrix<double, 6, 1>;
+struct VelocityEstimate {
+  Velocity mean = Velocity::Zero();
+  Velocity variance = Velocity::Zero();  ///< of each component; zero out of the plane for planar motion
+};
+
 /// Pose of the vehicle from the arrivals of one epoch or one instant of a drive, or the reason why there is
 /// none.
 struct Fix {
@@ -66,6 +74,7 @@ struct Fix {
   std::int64_t epoch = kNoEpoch;
   Pose T_map_vehicle;  ///< valid if status is kOk
   PoseCovariance covariance;
+  std::optional<VelocityEstimate> velocity{};  ///< for fixes of a moving trajectory
   double protection_level_m =
       0.0;  ///< horizontal; see localizers/common/separation.h. 0: not computed, or not available
   int arrivals_used = 0;
@@ -75,6 +84,11 @@ struct Fix {
 
   [[nodiscard]] bool ok() const { return status == FixStatus::kOk; }
 };
+
+/// Covariance of a pose in the convention of ROS: position in the map, small rotations about the map's axes.
+/// The covariance of a Fix uses rotations about the axes of the vehicle. For a planar pose, the components
+/// out of the plane are zero.
+[[nodiscard]] Eigen::Matrix<double, 6, 6> covariance_in_map(const PoseCovariance& covariance, const Pose& T);
 
 /// Integrity of a fix.
 enum class Integrity : std::uint8_t {

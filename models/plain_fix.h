@@ -12,7 +12,8 @@ namespace octant {
 
 /// Writes a fix into a row of plain numbers with Octant's field names (x_m, qx, sigma_x_m ...), for other
 /// languages and for programs without Eigen.
-/// @return true if there is a fix; otherwise pose, sigmas and protection level of the row are left unchanged
+/// @return true if there is a fix; otherwise pose, velocity, sigmas and protection level of the row are left
+/// unchanged; the velocity also if it is unknown
 template <class Row>
 bool fill_row(const Fix& fix, Row& row) {
   row.ok = fix.ok();
@@ -36,6 +37,16 @@ bool fill_row(const Fix& fix, Row& row) {
   row.sigma_y_m = sigma(1);
   row.sigma_heading_rad = std::min(sigma(fix.covariance.rows() == 6 ? 5 : 2), std::numbers::pi);
   row.protection_level_m = fix.protection_level_m;
+  Eigen::Map<Eigen::Matrix<double, 6, 6>>(&row.covariance[0][0]) =
+      covariance_in_map(fix.covariance, fix.T_map_vehicle);
+  if (!fix.velocity) return true;
+  const Velocity velocity_sigma = fix.velocity->variance.cwiseSqrt();
+  for (int i = 0; i < 3; ++i) {
+    row.velocity_mps[i] = fix.velocity->mean[i];
+    row.turn_rate_radps[i] = fix.velocity->mean[3 + i];
+    row.sigma_velocity_mps[i] = velocity_sigma[i];
+    row.sigma_turn_rate_radps[i] = velocity_sigma[3 + i];
+  }
   return true;
 }
 

@@ -101,6 +101,20 @@ const char* to_string(Rejection rejection) {
   return kNames[rejection];
 }
 
+Eigen::Matrix<double, 6, 6> covariance_in_map(const PoseCovariance& covariance, const Pose& T) {
+  Eigen::Matrix<double, 6, 6> C = Eigen::Matrix<double, 6, 6>::Zero();
+  if (covariance.rows() == 3) {
+    const int at[] = {0, 1, 5};
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) C(at[i], at[j]) = covariance(i, j);
+  } else if (covariance.rows() == 6) {
+    Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Identity();
+    turn.bottomRightCorner<3, 3>() = T.rotation.toRotationMatrix();
+    C = turn * Eigen::Matrix<double, 6, 6>(covariance) * turn.transpose();
+  }
+  return C;
+}
+
 Integrity integrity(const Fix& fix) {
   if (!fix.ok()) return Integrity::kNoFix;
   const bool at_fault = std::ranges::find(fix.rejections, Rejection::kBeaconFault) != fix.rejections.end();

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/python/arrays.h"
 
+#include <algorithm>
 #include <limits>
 
 #include "models/plain_fix.h"
@@ -16,7 +17,8 @@ void register_rows() {
   PYBIND11_NUMPY_DTYPE(OdometryStep, time_s, dx_m, dy_m, dheading_rad, vehicle, dz_m, turn_x_rad, turn_y_rad);
   PYBIND11_NUMPY_DTYPE(Bearing, time_s, bearing_rad, reflector, vehicle, epoch, line);
   PYBIND11_NUMPY_DTYPE(FixRow, time_s, epoch, vehicle, status, ok, x_m, y_m, z_m, heading_rad, qx, qy, qz, qw,
-                       sigma_x_m, sigma_y_m, sigma_heading_rad, protection_level_m, arrivals_used,
+                       sigma_x_m, sigma_y_m, sigma_heading_rad, protection_level_m, covariance, velocity_mps,
+                       turn_rate_radps, sigma_velocity_mps, sigma_turn_rate_radps, arrivals_used,
                        arrivals_rejected);
 }
 
@@ -26,6 +28,10 @@ FixRow row_of(const Fix& fix) {
   row.x_m = row.y_m = row.z_m = row.heading_rad = row.qx = row.qy = row.qz = row.qw = row.sigma_x_m =
       row.sigma_y_m = row.sigma_heading_rad = row.protection_level_m =
           std::numeric_limits<double>::quiet_NaN();
+  for (auto& line : row.covariance) std::ranges::fill(line, row.x_m);
+  for (auto* list :
+       {&row.velocity_mps, &row.turn_rate_radps, &row.sigma_velocity_mps, &row.sigma_turn_rate_radps})
+    std::ranges::fill(*list, row.x_m);
   row.epoch = fix.epoch;
   row.status = static_cast<std::int32_t>(fix.status);
   fill_row(fix, row);

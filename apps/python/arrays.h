@@ -37,6 +37,8 @@ struct FixRow {
   bool ok = false;
   double x_m, y_m, z_m, heading_rad, qx, qy, qz, qw;
   double sigma_x_m, sigma_y_m, sigma_heading_rad, protection_level_m;
+  double covariance[6][6], velocity_mps[3], turn_rate_radps[3], sigma_velocity_mps[3],
+      sigma_turn_rate_radps[3];
   std::int32_t arrivals_used = 0, arrivals_rejected = 0;
 };
 [[nodiscard]] FixRow row_of(const Fix& fix);

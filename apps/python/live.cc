@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -43,6 +44,68 @@ struct Live {
   std::vector<WatchAlarm> alarms;
 };
 
+py::dict alarm_dict(const WatchAlarm& alarm, const NameTable& names) {
+  py::dict found("kind"_a = to_string(alarm.kind), "time_s"_a = alarm.time_s, "since_s"_a = alarm.since_s,
+                 "size_m"_a = alarm.size_m, "sigma_m"_a = alarm.sigma_m,
+                 "shift_m"_a = std::vector<double>(alarm.shift_m.begin(), alarm.shift_m.end()));
+  if (alarm.beacon.valid()) {
+    found["beacon"] = names.beacons[alarm.beacon.index()];
+  } else {
+    const NameTable::Receiver& receiver = names.receivers[alarm.receiver.index()];
+    found["receiver"] = names.vehicles[receiver.vehicle.index()] + "/" + receiver.name;
+  }
+  return found;
+}
+
+bool move(Live& live, double time_s, double dx_m, double dy_m, double dheading_rad,
+          const std::string& vehicle, double dz_m, const std::optional<std::array<double, 4>>& xyzw) {
+  OdometryStep step{.time_s = time_s,
+                    .dx_m = dx_m,
+                    .dy_m = dy_m,
+                    .dheading_rad = dheading_rad,
+                    .vehicle = live.names.find_vehicle(vehicle),
+                    .dz_m = dz_m};
+  if (xyzw) {
+    const auto [qx, qy, qz, qw] = *xyzw;
+    const auto rotation = unit_rotation(qx, qy, qz, qw);
+    if (!rotation) throw py::value_error("quaternion_xyzw: a quaternion of no length");
+    if (dheading_rad != 0.0)
+      throw py::value_error("quaternion_xyzw is in place of dheading_rad: one of them");
+    step.set_pose({{dx_m, dy_m, dz_m}, *rotation});
+  }
+  return live.follower->move(step);
+}
+
+Fixes predicted(Live& live, double time_s, const std::string& vehicle) {
+  Fixes one{{Fix{}}, live.names};
+  live.follower->predict(live.names.find_vehicle(vehicle), time_s, one.fixes.front());
+  return one;
+}
+
+void bind_results(py::class_<Live>& follower) {
+  follower
+      .def(
+          "take",
+          [](Live& live) {
+            Fixes taken{std::move(live.fixes), live.names};
+            live.fixes.clear();
+            return taken;
+          },
+          "The fixes since the last call, as Fixes. A fix without a pose has its reason in `status`.")
+      .def(
+          "take_alarms",
+          [](Live& live) {
+            std::vector<py::dict> taken;
+            for (const WatchAlarm& alarm : live.alarms) taken.push_back(alarm_dict(alarm, live.names));
+            live.alarms.clear();
+            return taken;
+          },
+          "The alarms of the watch since the last call: dicts with the keys of `octant schema live`.")
+      .def("predict", &predicted, "time_s"_a, "vehicle"_a = "",
+           "Fixes with the pose predicted to a time [s], without a change of the state. Its status is ok if "
+           "the vehicle is tracked.");
+}
+
 }  // namespace
 
 Method method_named(const std::string& name) {
@@ -75,57 +138,44 @@ OdometryAccuracy odometry_noise(const OdometrySigmas& sigmas) {
 }
 
 void bind_live(py::module_& m) {
-  py::class_<Live>(m, "Follower", "Localizes as the data come; see octant localize --follow.")
+  py::class_<Live> follower(m, "Follower",
+                            "Localizes live data; see octant localize --follow. SI units; map with z up, "
+                            "vehicle with x forward, y left, z up.");
+  follower
       .def(
           py::init<const Deployment&, const std::string&, bool, const OdometrySigmas&, double>(),
           "deployment"_a, "method"_a = "auto", "watch"_a = false, "odometry_noise"_a = py::none(),
           "lateness"_a = 0.2,
-          "odometry_noise: a dict with the keys of run.yaml's block odometry. lateness: seconds within which "
-          "arrivals and odometry may come in any order.")
+          "watch: also monitors beacons and receivers (take_alarms). odometry_noise: a dict with the keys of "
+          "run.yaml's block odometry. lateness: seconds within which arrivals and odometry may come in any "
+          "order. Raises ValueError for an unknown method or an invalid number.")
       .def(
           "hear",
           [](Live& live, double time_s, const std::string& beacon, double tof_s, const std::string& receiver,
-             const std::string& vehicle, std::optional<std::int64_t> epoch) {
+             const std::string& vehicle, std::optional<std::int64_t> epoch, std::optional<double> amplitude_v,
+             std::optional<double> temperature_degC) {
             auto arrival = arrival_of(live.names, beacon, tof_s, time_s, receiver, vehicle);
             if (!arrival) raise(arrival.error());
             if (epoch) arrival->epoch = *epoch;
+            arrival->amplitude_v = amplitude_v.value_or(std::numeric_limits<double>::quiet_NaN());
+            arrival->temperature_degC = temperature_degC.value_or(std::numeric_limits<double>::quiet_NaN());
             return live.follower->hear(*arrival);
           },
           "time_s"_a, "beacon"_a, "tof_s"_a, "receiver"_a = "", "vehicle"_a = "", "epoch"_a = py::none(),
-          "One arrival; False: it runs backwards in time, or repeats another one.")
+          "amplitude_v"_a = py::none(), "temperature_degC"_a = py::none(),
+          "Adds an arrival: time and time of flight [s], amplitude [V] and temperature of the air [degC] if "
+          "they are measured. False: it is too late, or repeats another one. Raises InputError for an "
+          "unknown "
+          "name.")
+      .def("move", &move, "time_s"_a, "dx_m"_a, "dy_m"_a, "dheading_rad"_a = 0.0, "vehicle"_a = "",
+           "dz_m"_a = 0.0, "quaternion_xyzw"_a = py::none(),
+           "Adds a row of odometry [s, m, rad]; in space with dz_m, and quaternion_xyzw (4 numbers) in place "
+           "of "
+           "dheading_rad. False: it is too late. Raises ValueError for an invalid quaternion.")
       .def(
-          "move",
-          [](Live& live, double time_s, double dx_m, double dy_m, double dheading_rad,
-             const std::string& vehicle, double dz_m, const std::optional<std::array<double, 4>>& xyzw) {
-            OdometryStep step{.time_s = time_s,
-                              .dx_m = dx_m,
-                              .dy_m = dy_m,
-                              .dheading_rad = dheading_rad,
-                              .vehicle = live.names.find_vehicle(vehicle),
-                              .dz_m = dz_m};
-            if (xyzw) {
-              const auto [qx, qy, qz, qw] = *xyzw;
-              const auto rotation = unit_rotation(qx, qy, qz, qw);
-              if (!rotation) throw py::value_error("quaternion_xyzw: a quaternion of no length");
-              if (dheading_rad != 0.0)
-                throw py::value_error("quaternion_xyzw is in place of dheading_rad: one of them");
-              step.set_pose({{dx_m, dy_m, dz_m}, *rotation});
-            }
-            return live.follower->move(step);
-          },
-          "time_s"_a, "dx_m"_a, "dy_m"_a, "dheading_rad"_a = 0.0, "vehicle"_a = "", "dz_m"_a = 0.0,
-          "quaternion_xyzw"_a = py::none(),
-          "One row of odometry; in space with dz_m, and quaternion_xyzw in place of dheading_rad.")
-      .def(
-          "flush", [](Live& live) { live.follower->flush(); }, "Nothing more is coming of this pose.")
-      .def(
-          "take",
-          [](Live& live) {
-            Fixes taken{std::move(live.fixes), live.names};
-            live.fixes.clear();
-            return taken;
-          },
-          "The fixes since the last call.");
+          "flush", [](Live& live) { live.follower->flush(); },
+          "Fixes the waiting arrivals, because no more will come for this pose.");
+  bind_results(follower);
 }
 
 }  // namespace octant::python

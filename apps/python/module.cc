@@ -279,7 +279,11 @@ void bind_fixes(py::module_& m) {
             for (const Fix& fix : f.fixes) rows.push_back(row_of(fix));
             return own(std::move(rows));
           },
-          "Structured array, a row a fix; what there is none of is nan.")
+          "Structured array with one row for each fix; unknown values are nan. covariance: 6 x 6, of x, y, z "
+          "[m] "
+          "and of small rotations about x, y, z of the map [rad]. velocity_mps and turn_rate_radps: 3 "
+          "numbers, "
+          "along and about x, y, z of the vehicle; sigma_velocity_mps and sigma_turn_rate_radps likewise.")
       .def_property_readonly("status",
                              [](const Fixes& f) {
                                std::vector<std::string> status;

@@ -19,6 +19,9 @@ namespace {
 Place place_of(const Fix& fix) {
   Place place;
   place.status = to_string(fix.status);
+  place.integrity = to_string(integrity(fix));
+  place.integrity_reason = integrity_reason(fix);
+  place.has_velocity = fix.ok() && fix.velocity.has_value();
   if (!fill_row(fix, place)) return place;
   const bool spatial = fix.covariance.rows() == 6;
   place.sigma_z_m = spatial ? std::sqrt(std::max(fix.covariance(2, 2), 0.0)) : 0.0;
@@ -41,6 +44,7 @@ struct Positioner::Inside {
   std::unique_ptr<LeastSquaresLocalizer> at_rest;
   std::unique_ptr<Follower> follower;
   std::function<void(const Place&)> sink;
+  std::function<void(const Alarm&)> alarm_sink;
   std::vector<Arrival> arrivals;
 
   /// An unknown name gives an id that is not valid, which every localizer rejects.
@@ -56,9 +60,28 @@ struct Positioner::Inside {
     a.temperature_degC = heard.temperature_degC;
     return a;
   }
+
+  [[nodiscard]] Alarm alarm(const WatchAlarm& found) const {
+    Alarm alarm;
+    alarm.kind = to_string(found.kind);
+    if (found.beacon.valid()) {
+      alarm.name = names.beacons[found.beacon.index()];
+    } else {
+      const NameTable::Receiver& receiver = names.receivers[found.receiver.index()];
+      alarm.name = receiver.name;
+      alarm.vehicle = names.vehicles[receiver.vehicle.index()];
+    }
+    for (int i = 0; i < 3; ++i) alarm.shift_m[i] = found.shift_m[i];
+    alarm.size_m = found.size_m;
+    alarm.sigma_m = found.sigma_m;
+    alarm.since_s = found.since_s;
+    alarm.time_s = found.time_s;
+    return alarm;
+  }
 };
 
-Positioner::Positioner(const std::string& deployment_path, const OdometryNoise& odometry, double lateness_s)
+Positioner::Positioner(const std::string& deployment_path, const OdometryNoise& odometry, double lateness_s,
+                       bool watch)
     : inside_(std::make_unique<Inside>()) {
   auto deployment = io::read_deployment(deployment_path);
   if (!deployment) {
@@ -82,10 +105,14 @@ Positioner::Positioner(const std::string& deployment_path, const OdometryNoise& 
                       .floor_m = odometry.floor_m,
                       .floor_rad = odometry.floor_rad};
   options.lateness_s = lateness_s;
+  options.watch = watch;
   inside_->follower = std::make_unique<Follower>(std::move(*deployment), options);
   // The address of `inside` does not change when a positioner is moved.
   inside_->follower->on_fix = [inside = inside_.get()](const Fix& fix) {
     if (inside->sink) inside->sink(place_of(fix));
+  };
+  inside_->follower->on_alarm = [inside = inside_.get()](const WatchAlarm& found) {
+    if (inside->alarm_sink) inside->alarm_sink(inside->alarm(found));
   };
 }
 
@@ -104,6 +131,7 @@ Place Positioner::locate(std::span<const Heard> heard) noexcept {
 }
 
 void Positioner::on_place(std::function<void(const Place&)> sink) { inside_->sink = std::move(sink); }
+void Positioner::on_alarm(std::function<void(const Alarm&)> sink) { inside_->alarm_sink = std::move(sink); }
 
 bool Positioner::hear(const Heard& heard) {
   if (!*this) return false;
@@ -129,6 +157,12 @@ bool Positioner::move(const Moved& moved) {
 
 void Positioner::flush() {
   if (*this) inside_->follower->flush();
+}
+
+Place Positioner::predict(double time_s, std::string_view vehicle) noexcept {
+  Fix fix;
+  if (*this) inside_->follower->predict(inside_->names.find_vehicle(vehicle), time_s, fix);
+  return place_of(fix);
 }
 
 }  // namespace octant

@@ -43,10 +43,6 @@ inline constexpr std::string_view kRosRange = "sensor_msgs/msg/Range",
                                   kRosOdometry = "nav_msgs/msg/Odometry",
                                   kRosTransforms = "tf2_msgs/msg/TFMessage";
 
-/// Covariance of a pose in the convention of ROS: position in the map, small rotations about the map's axes.
-/// The covariance of a Fix uses rotations about the axes of the vehicle. For a planar pose, the components
-/// out of the plane are zero.
-[[nodiscard]] Eigen::Matrix<double, 6, 6> covariance_in_map(const PoseCovariance& covariance, const Pose& T);
 /// Messages that are written.
 /// @param covariance  row by row: x, y, z, rotations about the frame's axes
 [[nodiscard]] std::string ros_pose(std::int64_t stamp_ns, std::string_view frame, const Pose& T);

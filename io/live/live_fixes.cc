@@ -8,15 +8,22 @@
 #include <numbers>
 
 #include <fmt/format.h>
+#include <Eigen/Eigenvalues>
 #include <nlohmann/json.hpp>
-
-#include "io/bag/ros_messages.h"
 
 namespace octant::io {
 namespace {
 
 std::string vehicle_name(VehicleId vehicle, const NameTable& names) {
   return vehicle.valid() && vehicle.index() < names.vehicles.size() ? names.vehicles[vehicle.index()] : "";
+}
+
+/// Numbers, separated by commas.
+template <class Numbers>
+std::string listed(const Numbers& numbers) {
+  std::string text;
+  for (const double x : numbers.reshaped()) text += fmt::format("{}{:.6g}", text.empty() ? "" : ",", x);
+  return text;
 }
 
 /// In quotes, escaped.
@@ -50,15 +57,11 @@ std::string degrees_minutes(double angle_deg, int digits) {
   return fmt::format("{:0{}d}{:010.7f}", degrees, digits, all - 60.0 * degrees);
 }
 
-const char* kind_name(WatchKind kind) {
-  switch (kind) {
-    case WatchKind::kBeaconLate: return "beacon_late";
-    case WatchKind::kBeaconMoved: return "beacon_moved";
-    case WatchKind::kBeaconSilent: return "beacon_silent";
-    case WatchKind::kReceiverLate: return "receiver_late";
-    case WatchKind::kReceiverMoved: return "receiver_moved";
-  }
-  return "beacon_late";
+/// Angle in degrees, in [0, full_turn_deg).
+double compass_deg(double angle_rad, double full_turn_deg) {
+  const double angle_deg = angle_rad * 180 / std::numbers::pi,
+               in_turn_deg = angle_deg - full_turn_deg * std::floor(angle_deg / full_turn_deg);
+  return in_turn_deg >= full_turn_deg - 0.0005 ? 0.0 : in_turn_deg;
 }
 
 bool of_beacon(WatchKind kind) {
@@ -93,6 +96,14 @@ std::string fix_as_json(const Fix& fix, const NameTable& names) {
         std::min(sigma_of_fix(fix.covariance, heading_row(fix.covariance)), std::numbers::pi));
     if (fix.protection_level_m > 0)
       line += fmt::format(",\"protection_level_m\":{:.4g}", fix.protection_level_m);
+    line += fmt::format(",\"covariance\":[{}]", listed(covariance_in_map(fix.covariance, fix.T_map_vehicle)));
+    if (fix.velocity) {
+      const Velocity &v = fix.velocity->mean, sigma = fix.velocity->variance.cwiseSqrt();
+      line += fmt::format(
+          ",\"velocity_mps\":[{}],\"turn_rate_radps\":[{}],\"sigma_velocity_mps\":[{}],"
+          "\"sigma_turn_rate_radps\":[{}]",
+          listed(v.head<3>()), listed(v.tail<3>()), listed(sigma.head<3>()), listed(sigma.tail<3>()));
+    }
   }
   return line + fmt::format(
                     ",\"arrivals_used\":{},\"arrivals_rejected\":{},\"integrity\":\"{}\",\"integrity_"
@@ -108,7 +119,6 @@ std::string fix_as_ros(const Fix& fix, const NameTable& names) {
   const double sec = std::floor(fix.time_s);
   const Eigen::Vector3d& p = fix.T_map_vehicle.translation_m;
   const Eigen::Quaterniond& q = fix.T_map_vehicle.rotation;
-  const Eigen::Matrix<double, 6, 6> C = covariance_in_map(fix.covariance, fix.T_map_vehicle);
   std::string line = fmt::format(
       "{{\"header\":{{\"stamp\":{{\"sec\":{},\"nanosec\":{}}},\"frame_id\":\"map\"}},\"child_frame_id\":{},"
       "\"pose\":{{\"pose\":{{\"position\":{{\"x\":{:.6f},\"y\":{:.6f},\"z\":{:.6f}}},"
@@ -116,12 +126,15 @@ std::string fix_as_ros(const Fix& fix, const NameTable& names) {
       static_cast<std::int64_t>(std::clamp(sec, -9e15, 9e15)),
       static_cast<std::int64_t>((fix.time_s - sec) * 1e9), quoted(child), p.x(), p.y(), p.z(), q.x(), q.y(),
       q.z(), q.w());
-  for (int i = 0; i < 36; ++i) line += fmt::format("{}{:.6g}", i == 0 ? "" : ",", C(i / 6, i % 6));
-  line +=
-      "]},\"twist\":{\"twist\":{\"linear\":{\"x\":0,\"y\":0,\"z\":0},\"angular\":{\"x\":0,\"y\":0,\"z\":0}},"
-      "\"covariance\":[-1";
-  for (int i = 1; i < 36; ++i) line += ",0";
-  return line + "]}}\n";
+  line += listed(covariance_in_map(fix.covariance, fix.T_map_vehicle));
+  const VelocityEstimate velocity = fix.velocity.value_or(VelocityEstimate{});
+  Eigen::Matrix<double, 6, 6> twist_covariance = velocity.variance.asDiagonal();
+  if (!fix.velocity) twist_covariance(0, 0) = -1.0;
+  const Velocity& v = velocity.mean;
+  return line + fmt::format(
+                    "]}},\"twist\":{{\"twist\":{{\"linear\":{{\"x\":{:.6g},\"y\":{:.6g},\"z\":{:.6g}}},"
+                    "\"angular\":{{\"x\":{:.6g},\"y\":{:.6g},\"z\":{:.6g}}}}},\"covariance\":[{}]}}}}\n",
+                    v[0], v[1], v[2], v[3], v[4], v[5], listed(twist_covariance));
 }
 
 std::string fix_as_nmea(const Fix& fix, const EarthOrigin& origin) {
@@ -136,24 +149,35 @@ std::string fix_as_nmea(const Fix& fix, const EarthOrigin& origin) {
   // Along north and east.
   const Eigen::Vector2d north(std::cos(origin.north_rad), std::sin(origin.north_rad)),
       east(north.y(), -north.x());
-  const Eigen::Matrix2d C = fix.covariance.topLeftCorner<2, 2>();
+  Eigen::Matrix2d to_earth;
+  to_earth << north.transpose(), east.transpose();
+  const Eigen::Matrix2d C = to_earth * fix.covariance.topLeftCorner<2, 2>() * to_earth.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(C);
+  const Eigen::Vector2d major = axes.eigenvectors().col(1);
   const bool spatial = fix.covariance.rows() == 6;
   text += with_checksum(fmt::format(
-      "GPGST,{},,,,,{:.4f},{:.4f},{:.4f}", time, std::sqrt(std::max(north.dot(C * north), 0.0)),
-      std::sqrt(std::max(east.dot(C * east), 0.0)), spatial ? sigma_of_fix(fix.covariance, 2) : 0.0));
+      "GPGST,{},,{:.4f},{:.4f},{:.1f},{:.4f},{:.4f},{:.4f}", time,
+      std::sqrt(std::max(axes.eigenvalues()[1], 0.0)), std::sqrt(std::max(axes.eigenvalues()[0], 0.0)),
+      compass_deg(std::atan(major.y() / major.x()), 180.0), std::sqrt(std::max(C(0, 0), 0.0)),
+      std::sqrt(std::max(C(1, 1), 0.0)), spatial ? sigma_of_fix(fix.covariance, 2) : 0.0));
   const Eigen::Index h = heading_row(fix.covariance);
   if (fix.covariance(h, h) < kUnknownRotationVariance) {
-    // Compass heading: clockwise from north.
-    double heading_deg = (origin.north_rad - fix.T_map_vehicle.heading_rad()) * 180 / std::numbers::pi;
-    heading_deg -= 360 * std::floor(heading_deg / 360);
-    text += with_checksum(fmt::format("GPHDT,{:.3f},T", heading_deg >= 359.9995 ? 0.0 : heading_deg));
+    text += with_checksum(fmt::format(
+        "GPHDT,{:.3f},T", compass_deg(origin.north_rad - fix.T_map_vehicle.heading_rad(), 360.0)));
+  }
+  if (fix.velocity) {
+    const Eigen::Vector2d v =
+        to_earth * (fix.T_map_vehicle.rotation * fix.velocity->mean.head<3>()).head<2>();
+    text += with_checksum(fmt::format("GPVTG,{:.3f},T,,M,{:.3f},N,{:.3f},K,A",
+                                      compass_deg(std::atan2(v.y(), v.x()), 360.0), v.norm() * 3600 / 1852,
+                                      v.norm() * 3.6));
   }
   return text;
 }
 
 std::string alarm_as_json(const WatchAlarm& alarm, const NameTable& names) {
   std::string line = fmt::format(
-      "{{\"type\":\"alarm\",\"time_s\":{:.6f},\"kind\":\"{}\",\"{}\":{}", alarm.time_s, kind_name(alarm.kind),
+      "{{\"type\":\"alarm\",\"time_s\":{:.6f},\"kind\":\"{}\",\"{}\":{}", alarm.time_s, to_string(alarm.kind),
       of_beacon(alarm.kind) ? "beacon" : "receiver", quoted(subject_of(alarm, names)));
   if (alarm.kind == WatchKind::kBeaconMoved || alarm.kind == WatchKind::kReceiverMoved)
     line += fmt::format(",\"axis\":\"{}\",\"shift_m\":[{:.4g},{:.4g},{:.4g}]",
@@ -167,7 +191,7 @@ std::string alarm_as_nmea(const WatchAlarm& alarm, const NameTable& names) {
   std::string subject;
   for (const char c : subject_of(alarm, names))
     subject += c > ' ' && c <= '~' && c != '*' && c != ',' && c != '$' ? c : '_';
-  return with_checksum(fmt::format("POCT,ALARM,{},{},{:.4f}", kind_name(alarm.kind), subject, alarm.size_m));
+  return with_checksum(fmt::format("POCT,ALARM,{},{},{:.4f}", to_string(alarm.kind), subject, alarm.size_m));
 }
 
 }  // namespace octant::io

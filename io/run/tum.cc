@@ -120,6 +120,22 @@ double heading_variance(const Fix& fix) {
 /// A standard deviation as a field; empty for NaN.
 std::string sigma_field(double variance) { return number_field(std::sqrt(variance)); }
 
+constexpr std::array<const char*, 6> kVelocities = {"velocity_x_mps",    "velocity_y_mps",
+                                                    "velocity_z_mps",    "turn_rate_x_radps",
+                                                    "turn_rate_y_radps", "turn_rate_z_radps"};
+/// Components of a pose in the names of the covariance's columns.
+constexpr std::array<const char*, 6> kComponents = {"x", "y", "z", "turn_x", "turn_y", "turn_z"};
+
+/// Fields of the velocity and of the upper triangle of the covariance.
+void append_motion(std::string& text, const Fix& fix) {
+  for (Eigen::Index i = 0; i < 6; ++i)
+    text += "," + (fix.ok() && fix.velocity ? number_field(fix.velocity->mean[i]) : "");
+  const bool known = fix.ok() && fix.covariance.rows() > 0;
+  const Eigen::Matrix<double, 6, 6> C = covariance_in_map(fix.covariance, fix.T_map_vehicle);
+  for (Eigen::Index i = 0; i < 6; ++i)
+    for (Eigen::Index j = i; j < 6; ++j) text += "," + (known ? number_field(C(i, j)) : "");
+}
+
 void append_csv(std::string& text, const Fix& fix, const NameTable& names) {
   const auto out = std::back_inserter(text);
   const bool named = fix.vehicle.valid() && fix.vehicle.index() < names.vehicles.size();
@@ -138,8 +154,10 @@ void append_csv(std::string& text, const Fix& fix, const NameTable& names) {
   } else {
     text += ",,,,,,,";
   }
-  fmt::format_to(out, ",{},{},{},{},{}\n", fix.arrivals_used, fix.arrivals_rejected, to_string(fix.status),
+  fmt::format_to(out, ",{},{},{},{},{}", fix.arrivals_used, fix.arrivals_rejected, to_string(fix.status),
                  to_string(integrity(fix)), integrity_reason(fix));
+  append_motion(text, fix);
+  text += '\n';
 }
 
 }  // namespace
@@ -177,7 +195,12 @@ std::string fixes_to_csv(const std::vector<Fix>& fixes, const NameTable& names) 
   std::string text =
       "time_s,vehicle,x_m,y_m,z_m,heading_rad,sigma_x_m,sigma_y_m,sigma_heading_rad,protection_level_m,"
       "arrivals_used,"
-      "arrivals_rejected,status,integrity,integrity_reason\n";
+      "arrivals_rejected,status,integrity,integrity_reason";
+  for (const char* name : kVelocities) text += fmt::format(",{}", name);
+  for (std::size_t i = 0; i < 6; ++i)
+    for (std::size_t j = i; j < 6; ++j)
+      text += fmt::format(",covariance_{}_{}", kComponents[i], kComponents[j]);
+  text += '\n';
   for (const Fix& fix : fixes) append_csv(text, fix, names);
   return text;
 }

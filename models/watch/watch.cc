@@ -7,6 +7,7 @@
 
 #include "models/physics/measurement.h"
 #include "models/physics/plane.h"
+#include "models/support/enum_names.h"
 
 namespace octant {
 namespace {
@@ -76,6 +77,12 @@ ChangeMatrix prior_of(const Eigen::Matrix3d& place_m2, double delay_m) {
 }
 
 }  // namespace
+
+const char* to_string(WatchKind kind) {
+  static constexpr auto kNames = enum_names<WatchKind>("beacon_late", "beacon_moved", "beacon_silent",
+                                                       "receiver_late", "receiver_moved");
+  return kNames[kind];
+}
 
 bool Watch::Recent::agrees(double residual, double within_m) const {
   const auto with =

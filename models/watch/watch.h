@@ -38,6 +38,8 @@ enum class WatchKind {
   kReceiverMoved  ///< along the axes of the vehicle
 };
 
+[[nodiscard]] const char* to_string(WatchKind kind);
+
 /// A change that contradicts the deployment.
 struct WatchAlarm {
   WatchKind kind = WatchKind::kBeaconLate;

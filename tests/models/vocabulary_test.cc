@@ -190,6 +190,8 @@ struct PlainRow {
   int vehicle, arrivals_used, arrivals_rejected;
   double x_m, y_m, z_m, heading_rad, qx, qy, qz, qw, sigma_x_m, sigma_y_m, sigma_heading_rad,
       protection_level_m;
+  double covariance[6][6], velocity_mps[3], turn_rate_radps[3], sigma_velocity_mps[3],
+      sigma_turn_rate_radps[3];
 };
 
 TEST(PlainFix, IsTheFixInNumbers) {
@@ -215,6 +217,29 @@ TEST(PlainFix, IsTheFixInNumbers) {
   fix.covariance(5, 5) = 0.25;  // in space the third rotation
   EXPECT_TRUE(fill_row(fix, row));
   EXPECT_DOUBLE_EQ(row.sigma_heading_rad, 0.5);
+}
+
+TEST(PlainFix, HasTheCovarianceInTheMapAndTheVelocityInTheVehicle) {
+  Fix fix = ok_fix();
+  fix.T_map_vehicle.rotation = exp_rotation({0.0, 0.0, M_PI / 2});
+  fix.covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  fix.covariance.diagonal() << 1, 2, 3, 4, 5, 6;
+  fix.covariance(0, 3) = fix.covariance(3, 0) = 0.5;  // of x and a rotation about x of the vehicle
+  PlainRow row{};
+  row.velocity_mps[0] = 42.0;
+  EXPECT_TRUE(fill_row(fix, row));
+  EXPECT_EQ(row.velocity_mps[0], 42.0) << "unknown";
+  EXPECT_NEAR(row.covariance[4][4], 4.0, 1e-12);  // the vehicle's x is the map's y
+  EXPECT_NEAR(row.covariance[3][3], 5.0, 1e-12);
+  EXPECT_NEAR(row.covariance[0][4], 0.5, 1e-12);
+  fix.velocity = VelocityEstimate{};
+  fix.velocity->mean << 1, 2, 3, 4, 5, 6;
+  fix.velocity->variance << 1, 4, 9, 16, 25, 36;
+  EXPECT_TRUE(fill_row(fix, row));
+  EXPECT_EQ(row.velocity_mps[1], 2.0);
+  EXPECT_EQ(row.turn_rate_radps[2], 6.0);
+  EXPECT_EQ(row.sigma_velocity_mps[2], 3.0);
+  EXPECT_EQ(row.sigma_turn_rate_radps[0], 4.0);
 }
 
 TEST(PlainFix, OfNoneLeavesThePlaceAsItWas) {

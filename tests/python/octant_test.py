@@ -214,6 +214,22 @@ def test_follows(world):
         follower.hear(0.0, "nobody", 0.01, receiver="r0")
 
 
+def test_follower_of_a_drive_has_velocity_covariance_and_prediction(world):
+    deployment = world.truth
+    follower = octant.Follower(deployment, method="tracker", watch=True)
+    run = world.heldout
+    for row in run.arrivals:
+        follower.hear(row["time_s"], deployment.beacons[row["beacon"]], row["tof_s"],
+                      receiver=deployment.receivers[row["receiver"]][1], amplitude_v=1.0, temperature_degC=20.0)
+    table = follower.take().table
+    assert table["covariance"].shape == (len(table), 6, 6) and table["velocity_mps"].shape == (len(table), 3)
+    missing = table[~table["ok"]]
+    assert np.isnan(missing["covariance"]).all() and np.isnan(missing["velocity_mps"]).all()
+    assert follower.take_alarms() == []
+    assert len(follower.predict(run.arrivals["time_s"][-1] + 0.1)) == 1
+    assert follower.predict(0.0, vehicle="nobody").status == ["no_consensus"]
+
+
 def test_odometry_is_as_good_as_it_is_said_to_be(world):
     follower = octant.Follower(world.truth, odometry_noise={"distance_sigma_m_per_sqrt_m": 0.01, "floor_m": 0.0})
     assert follower.move(0.0, 0.0, 0.0, 0.0)

@@ -57,10 +57,32 @@ struct Place {
   /// Standard deviations, including the calibration; pi: the heading is unknown.
   double sigma_x_m = 0.0, sigma_y_m = 0.0, sigma_z_m = 0.0, sigma_heading_rad = 0.0;
   double covariance_xy_m2 = 0.0;
+  /// Covariance of x, y, z [m] and of small rotations about x, y, z of the map [rad]; zero out of the plane
+  /// for planar motion.
+  double covariance[6][6] = {};
+  /// In the vehicle's frame, along and about x, y, z, with standard deviations.
+  bool has_velocity = false;
+  double velocity_mps[3] = {}, turn_rate_radps[3] = {};
+  double sigma_velocity_mps[3] = {}, sigma_turn_rate_radps[3] = {};
   double protection_level_m =
       0.0;  ///< bound of the horizontal error under one faulty beacon; 0: not computed
   int arrivals_used = 0, arrivals_rejected = 0;
   int vehicle = -1;  ///< index in the deployment
+  /// "ok": the error is bounded by the protection level; "degraded": it is not; "no_fix"
+  const char* integrity = "no_fix";
+  const char* integrity_reason = "";  ///< empty for "ok"
+};
+
+/// A beacon or receiver that no longer agrees with the deployment. Its arrivals are ignored from then on.
+struct Alarm {
+  const char* kind =
+      "";  ///< "beacon_late", "beacon_moved", "beacon_silent", "receiver_late", "receiver_moved"
+  std::string_view name;     ///< of the beacon, or of the receiver
+  std::string_view vehicle;  ///< of the receiver; empty for a beacon
+  /// Displacement along x, y, z: of the map for a beacon, of the vehicle for a receiver.
+  double shift_m[3] = {};
+  double size_m = 0.0, sigma_m = 0.0;  ///< of the largest displacement, or of the delay as a length
+  double since_s = 0.0, time_s = 0.0;  ///< first data that show it; time of the alarm
 };
 
 /// Locates vehicles with a deployment. An object may be used by one thread at a time.
@@ -69,8 +91,9 @@ class [[gnu::visibility("default")]] Positioner {
   /// Reads a deployment file. If this fails, or if a noise is negative or not a number, the object converts
   /// to false, and error() has place and reason.
   /// @param lateness_s  arrivals and odometry may arrive in any order within this time
+  /// @param watch  also monitors beacons and receivers; see on_alarm
   explicit Positioner(const std::string& deployment_path, const OdometryNoise& odometry = {},
-                      double lateness_s = 0.2);
+                      double lateness_s = 0.2, bool watch = false);
   ~Positioner();
   Positioner(Positioner &&) noexcept;
   Positioner& operator=(Positioner&&) noexcept;
@@ -85,12 +108,16 @@ class [[gnu::visibility("default")]] Positioner {
   /// Live data, in any order within the lateness. Arrivals of a pose are used as soon as all have come, and
   /// with odometry the vehicle is tracked. Fixes go to on_place.
   /// @return false if a name is unknown, a row is too late, an arrival is repeated, or the call comes from
-  /// within on_place, where rows are refused
+  /// within on_place or on_alarm, where rows are refused
   void on_place(std::function<void(const Place&)> sink);
+  void on_alarm(std::function<void(const Alarm&)> sink);
   bool hear(const Heard& heard);
   bool move(const Moved& moved);
   /// Fixes the waiting arrivals, because no more will come for this pose.
   void flush();
+  /// Predicts the pose of a vehicle that is tracked, such as to the present time. The state does not change.
+  /// @param vehicle  as in Heard
+  [[nodiscard]] Place predict(double time_s, std::string_view vehicle = {}) noexcept;
 
  private:
   struct Inside;

@@ -11,6 +11,7 @@
 #include "models/localizers/drive/drive_filter.h"
 #include "models/localizers/drive/drive_search.h"
 #include "models/localizers/drive/loss_test.h"
+#include "models/localizers/drive/motion_velocity.h"
 #include "models/localizers/drive/odometry_queue.h"
 #include "models/localizers/start/drive_start.h"
 #include "models/localizers/start/stretch_states.h"
@@ -67,7 +68,7 @@ class DriveTracker::CoreOf final : public Core {
   [[nodiscard]] bool is_placed() const override { return placed_; }
   [[nodiscard]] Pose pose() const override { return filter_.pose(); }
   [[nodiscard]] PoseCovariance covariance() const override { return filter_.covariance(); }
-  [[nodiscard]] Velocity velocity() const override;
+  [[nodiscard]] Velocity velocity() const override { return velocity_of(filter_, odometry_).mean; }
   [[nodiscard]] SpeedBelief speed() const override { return filter_.speed(); }
   [[nodiscard]] SpeedBelief first_speed() const override {
     return {0.0, square(search_options_.air_sigma_mps)};
@@ -76,11 +77,10 @@ class DriveTracker::CoreOf final : public Core {
   void predict(double time_s, Fix& fix) override;
 
  private:
-  static constexpr int kPlaces = kDof == 3 ? 2 : 3;
   template <class Visit>
   void for_each_filter(Visit&& visit);
-  [[nodiscard]] static Vector in_motion(const Velocity& velocity);
-  [[nodiscard]] static Vector variances(double place, double turn);
+  [[nodiscard]] static VelocityEstimate velocity_of(const Filter& filter, const OdometryQueue& odometry);
+  static void set_state(const Filter& filter, const OdometryQueue& odometry, Fix& fix);
   void begin_coasting(Filter& filter) const;
   void coast(Filter& filter, double span_s, double since_s) const;
   void step(Filter& filter, const MotionPart& part) const;
@@ -155,26 +155,26 @@ void DriveTracker::CoreOf<kDof>::start(const Pose& T_map_vehicle, const PoseCova
 }
 
 template <int kDof>
-typename DriveTracker::CoreOf<kDof>::Vector DriveTracker::CoreOf<kDof>::in_motion(const Velocity& v) {
-  if constexpr (kDof == 6) {
-    return v;
-  } else {
-    return Vector(v[0], v[1], v[5]);
-  }
+VelocityEstimate DriveTracker::CoreOf<kDof>::velocity_of(const Filter& filter,
+                                                         const OdometryQueue& odometry) {
+  if (filter.is_coasting())
+    return {in_space<kDof>(filter.velocity()), in_space<kDof>(filter.velocity_covariance().diagonal())};
+  return {odometry.velocity(),
+          in_space<kDof>(along_and_about<kDof>(odometry.speed_variance(), odometry.turn_rate_variance()))};
 }
 
 template <int kDof>
-typename DriveTracker::CoreOf<kDof>::Vector DriveTracker::CoreOf<kDof>::variances(double place, double turn) {
-  Vector variance;
-  variance.template head<kPlaces>().setConstant(place);
-  variance.template tail<kDof - kPlaces>().setConstant(turn);
-  return variance;
+void DriveTracker::CoreOf<kDof>::set_state(const Filter& filter, const OdometryQueue& odometry, Fix& fix) {
+  fix.status = FixStatus::kOk;
+  fix.T_map_vehicle = filter.pose();
+  fix.covariance = filter.covariance();
+  fix.velocity = velocity_of(filter, odometry);
 }
 
 template <int kDof>
 void DriveTracker::CoreOf<kDof>::begin_coasting(Filter& filter) const {
-  filter.begin_coasting(in_motion(odometry_.velocity()),
-                        variances(odometry_.speed_variance(), odometry_.turn_rate_variance()));
+  filter.begin_coasting(in_motion<kDof>(odometry_.velocity()),
+                        along_and_about<kDof>(odometry_.speed_variance(), odometry_.turn_rate_variance()));
 }
 
 /// Predicts without odometry.
@@ -187,7 +187,8 @@ void DriveTracker::CoreOf<kDof>::coast(Filter& filter, double span_s, double sin
 
 template <int kDof>
 void DriveTracker::CoreOf<kDof>::step(Filter& filter, const MotionPart& part) const {
-  filter.end_coasting(in_motion(part.velocity), variances(part.speed_variance, part.turn_rate_variance));
+  filter.end_coasting(in_motion<kDof>(part.velocity),
+                      along_and_about<kDof>(part.speed_variance, part.turn_rate_variance));
   filter.pass_time(part.span_s);
   filter.predict(part.observation.T_before_after, part.observation, 1.0);
 }
@@ -227,9 +228,7 @@ void DriveTracker::CoreOf<kDof>::predict(double time_s, Fix& fix) {
   odometry_ahead_.advance_to(
       time_s, [this](const MotionPart& part) { step(ahead_, part); },
       [this](double span_s, double since_s) { coast(ahead_, span_s, since_s); });
-  fix.status = FixStatus::kOk;
-  fix.T_map_vehicle = ahead_.pose();
-  fix.covariance = ahead_.covariance();
+  set_state(ahead_, odometry_ahead_, fix);
 }
 
 template <int kDof>
@@ -253,19 +252,6 @@ template <int kDof>
 void DriveTracker::CoreOf<kDof>::lose() {
   placed_ = false;
   loss_.clear();
-}
-
-template <int kDof>
-Velocity DriveTracker::CoreOf<kDof>::velocity() const {
-  if (!filter_.is_coasting()) return odometry_.velocity();
-  Velocity velocity = Velocity::Zero();
-  const Vector& v = filter_.velocity();
-  if constexpr (kDof == 3) {
-    velocity << v[0], v[1], 0.0, 0.0, 0.0, v[2];
-  } else {
-    velocity = v;
-  }
-  return velocity;
 }
 
 template <int kDof>
@@ -340,10 +326,8 @@ void DriveTracker::CoreOf<kDof>::locate(std::span<const Arrival> arrivals, Fix& 
 
 template <int kDof>
 void DriveTracker::CoreOf<kDof>::report(Fix& fix) {
-  fix.status = FixStatus::kOk;
-  fix.protection_level_m = bank_.protection_level_m(filter_);
-  fix.T_map_vehicle = filter_.pose();
-  fix.covariance = filter_.covariance();
+  fix.protection_level_m = bank_.protection_level_m(filter_);  // may replace the state of the filter
+  set_state(filter_, odometry_, fix);
 }
 
 DriveTracker::DriveTracker(const Deployment& deployment, const OdometryAccuracy& odometry,

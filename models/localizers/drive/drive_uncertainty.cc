@@ -9,8 +9,26 @@
 #include "models/localizers/chain/chain_calibration.h"
 #include "models/localizers/chain/chain_protection.h"
 #include "models/localizers/common/separation.h"
+#include "models/localizers/drive/motion_velocity.h"
 
 namespace octant {
+namespace {
+
+/// Velocity at an instant of a trajectory with a motion prior, whose states contain it in the map.
+VelocityEstimate prior_velocity_at(const Trajectory& t, const ChainWindow& window,
+                                   const DriveInstant& instant, const Pose& T_map_vehicle) {
+  const Node& node = t.nodes[instant.node];
+  Eigen::Vector3d mean = node.velocity;
+  if (instant.alpha > 0.0) mean += instant.alpha * (t.nodes[instant.node + 1].velocity - node.velocity);
+  Eigen::Matrix3d R_vehicle_map = Eigen::Matrix3d::Identity();
+  R_vehicle_map.topLeftCorner<2, 2>() = Eigen::Rotation2Dd(-T_map_vehicle.heading_rad()).toRotationMatrix();
+  const Eigen::Matrix3d covariance = window.covariance_at(instant, 6).bottomRightCorner<3, 3>();
+  const Eigen::Vector3d v = R_vehicle_map * mean,
+                        variance = (R_vehicle_map * covariance * R_vehicle_map.transpose()).diagonal();
+  return {in_space<3>(v), in_space<3>(variance)};
+}
+
+}  // namespace
 
 void set_uncertainty(const Trajectory& t, const Segment& segment, const EpochFixModel& model,
                      const CalibrationPart& calibration, const DriveUncertaintyOptions& options,
@@ -28,6 +46,8 @@ void set_uncertainty(const Trajectory& t, const Segment& segment, const EpochFix
            const PoseCovariance noise = window.covariance_at(instants[i], dof);
            const ChainWindow::Matrix x = window.solution_at(instants[i], dof);
            fixes[i].covariance = noise + x * x.transpose();
+           if (t.motion_prior)
+             fixes[i].velocity = prior_velocity_at(t, window, instants[i], fixes[i].T_map_vehicle);
            widened[i] = std::max(1.0, horizontal_variance(fixes[i].covariance) / horizontal_variance(noise));
          });
        }});

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 
+#include "models/fix.h"
 #include "models/localizers/drive/drive_filter.h"
 #include "models/physics/pose.h"
 #include "models/run.h"
@@ -16,9 +17,6 @@
 #include "models/trajectory/trajectory.h"
 
 namespace octant {
-
-/// Velocity in the vehicle's frame: along x, y, z [m/s] and about x, y, z [rad/s].
-using Velocity = Eigen::Matrix<double, 6, 1>;
 
 /// A part of an odometry row.
 struct MotionPart {

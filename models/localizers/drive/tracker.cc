@@ -14,6 +14,7 @@
 #include "models/localizers/drive/drive_filter.h"
 #include "models/localizers/drive/drive_tracker.h"
 #include "models/localizers/drive/drive_uncertainty.h"
+#include "models/localizers/drive/motion_velocity.h"
 #include "models/localizers/drive/odometry_track.h"
 #include "models/localizers/least_squares/epoch_fix.h"
 #include "models/localizers/least_squares/node_adjustment.h"
@@ -23,6 +24,7 @@
 #include "models/localizers/start/rigid_path.h"
 #include "models/localizers/start/rough_path.h"
 #include "models/localizers/start/stretch_states.h"
+#include "models/physics/plane.h"
 #include "models/trajectory/linearise.h"
 #include "models/trajectory/make_trajectory.h"
 #include "models/trajectory/solve_states.h"
@@ -177,6 +179,24 @@ void unlocated(const Trajectory& t, const Segment& segment, std::vector<Fix>& fi
   });
 }
 
+/// Velocity at an arrival of a moving trajectory, from the odometry around it.
+std::optional<VelocityEstimate> odometry_velocity_at(const Trajectory& t, const Segment& segment,
+                                                     const ArrivalObservation& a) {
+  const std::size_t row = segment.first_odometry + a.node - segment.first_node;
+  if (!t.moving || row >= segment.last_odometry) return std::nullopt;
+  const OdometryObservation& step = t.odometry[row];
+  const double span_s = t.nodes[a.node + 1].time_s - t.nodes[a.node].time_s,
+               speed_variance = square(step.distance_sigma_m / span_s),
+               turn_variance = square(step.heading_sigma_rad / span_s);
+  VelocityEstimate velocity;
+  velocity.mean << step.T_before_after.translation_m, log_rotation(step.T_before_after.rotation);
+  velocity.mean /= span_s;
+  velocity.variance = t.motion == Motion::kPlanar
+                          ? in_space<3>(along_and_about<3>(speed_variance, turn_variance))
+                          : along_and_about<6>(speed_variance, turn_variance);
+  return velocity;
+}
+
 /// Returns true if it was possible.
 bool track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& model,
                   const CalibrationPart& calibration, const TrackerOptions& options,
@@ -192,6 +212,7 @@ bool track_smooth(Trajectory& t, const Segment& segment, const EpochFixModel& mo
     const ArrivalObservation& a = t.arrivals[first];
     Fix& fix = fixes.emplace_back(fix_at(t, first, last));
     fix.T_map_vehicle = pose_at(t, a.node, a.alpha);
+    fix.velocity = odometry_velocity_at(t, segment, a);
     fix.status = FixStatus::kOk;
   });
   // Fixes among roughly known beacons have no bound.

@@ -63,6 +63,23 @@ Scenario drive_of(Motion motion) {
   return s;
 }
 
+void expect_same_covariance(const Place& place, const Fix& fix) {
+  const Eigen::Matrix<double, 6, 6> C = covariance_in_map(fix.covariance, fix.T_map_vehicle);
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) EXPECT_NEAR(place.covariance[i][j], C(i, j), 1e-9);
+  EXPECT_STREQ(place.integrity, to_string(integrity(fix)));
+}
+
+void expect_same_velocity(const Place& place, const Fix& fix) {
+  ASSERT_TRUE(place.has_velocity && fix.velocity);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(place.velocity_mps[i], fix.velocity->mean[i], 1e-7);
+    EXPECT_NEAR(place.turn_rate_radps[i], fix.velocity->mean[3 + i], 1e-7);
+    EXPECT_NEAR(place.sigma_velocity_mps[i], std::sqrt(fix.velocity->variance[i]), 1e-7);
+    EXPECT_NEAR(place.sigma_turn_rate_radps[i], std::sqrt(fix.velocity->variance[3 + i]), 1e-7);
+  }
+}
+
 /// The places of a positioner and the fixes of a follower that get the same rows.
 void expect_followed(Motion motion) {
   const World world = must(simulate(drive_of(motion), 5));
@@ -104,8 +121,19 @@ void expect_followed(Motion motion) {
     EXPECT_NEAR(places[i].sigma_x_m, std::sqrt(fixes[i].covariance(0, 0)), 1e-7);
     EXPECT_NEAR(places[i].sigma_z_m, motion == Motion::kPlanar ? 0.0 : std::sqrt(fixes[i].covariance(2, 2)),
                 1e-7);
+    expect_same_covariance(places[i], fixes[i]);
+    expect_same_velocity(places[i], fixes[i]);
   }
   EXPECT_GT(placed, 200u);
+  const double soon_s = log.odometry.back().time_s + 0.1;
+  Fix soon;
+  follower.predict(VehicleId(0), soon_s, soon);
+  const Place predicted = positioner.predict(soon_s);
+  ASSERT_TRUE(predicted.ok && soon.ok());
+  EXPECT_EQ(predicted.time_s, soon_s);
+  EXPECT_NEAR(predicted.x_m, soon.T_map_vehicle.translation_m.x(), 1e-7);
+  expect_same_covariance(predicted, soon);
+  EXPECT_FALSE(positioner.predict(soon_s, "nobody").ok);
 }
 
 TEST(Positioner, FollowsInThePlane) { expect_followed(Motion::kPlanar); }
@@ -151,6 +179,33 @@ TEST(Positioner, LocatesAStopAsTheLocalizerDoes) {
   EXPECT_GT(located, 30u);
 }
 
+TEST(Positioner, WatchNamesABeaconWhoseDelayChanged) {
+  const World world = must(simulate(hall_scenario(), 5));
+  const Robot robot(world);
+  Positioner positioner(robot.path(), {}, 0.2, true);
+  ASSERT_TRUE(positioner) << positioner.error();
+  std::vector<std::string> kinds, names;
+  positioner.on_alarm([&](const Alarm& alarm) {
+    kinds.emplace_back(alarm.kind);
+    names.emplace_back(alarm.name);
+    EXPECT_NEAR(alarm.size_m, 2e-4 * 343.0, 0.03);
+    EXPECT_TRUE(alarm.vehicle.empty());
+  });
+  // The recording again and again: a change shows in the number of its arrivals.
+  const std::vector<Arrival>& all = world.heldout.arrivals;
+  const double period_s = all.back().time_s - all.front().time_s + 10.0;
+  for (int round = 0; round < 8 && names.empty(); ++round)
+    for (const Arrival& a : all) {
+      Heard heard = robot.heard(a);
+      heard.time_s += round * period_s;
+      heard.epoch = a.epoch + 1000 * round;
+      if (a.beacon == BeaconId(2)) heard.tof_s += 2e-4;
+      positioner.hear(heard);
+    }
+  EXPECT_EQ(kinds, std::vector<std::string>{"beacon_late"});
+  EXPECT_EQ(names, std::vector<std::string>{world.truth.beacons[2].name});
+}
+
 TEST(Positioner, SaysWhatItCannotRead) {
   Positioner positioner("no/such/deployment.json");
   EXPECT_FALSE(positioner);
@@ -158,6 +213,7 @@ TEST(Positioner, SaysWhatItCannotRead) {
   EXPECT_FALSE(positioner.locate({}).ok);
   EXPECT_FALSE(positioner.hear({.beacon = "B0", .tof_s = 0.01}));
   EXPECT_FALSE(positioner.move({.time_s = 1.0}));
+  EXPECT_FALSE(positioner.predict(1.0).ok);
   positioner.flush();
 }
 

@@ -183,12 +183,40 @@ TEST(LiveFixes, JsonIsJson) {
   EXPECT_EQ(ros["twist"]["covariance"][0], -1);
 }
 
+TEST(LiveFixes, VelocityAndCovarianceAreInEachFormat) {
+  Fix fix = some_fix();
+  fix.covariance(0, 1) = fix.covariance(1, 0) = 1.5e-4;
+  fix.velocity = VelocityEstimate{};
+  fix.velocity->mean << 2.0, 0.0, 0.0, 0.0, 0.0, 0.25;
+  fix.velocity->variance << 1e-4, 1e-4, 0.0, 0.0, 0.0, 4e-4;
+  const auto json = nlohmann::json::parse(fix_as_json(fix, two_vehicles()));
+  ASSERT_EQ(json["covariance"].size(), 36U);
+  EXPECT_EQ(json["covariance"][1], 1.5e-4);
+  EXPECT_EQ(json["covariance"][35], 1e-6);
+  EXPECT_EQ(json["velocity_mps"], (nlohmann::json{2.0, 0.0, 0.0}));
+  EXPECT_EQ(json["turn_rate_radps"], (nlohmann::json{0.0, 0.0, 0.25}));
+  EXPECT_EQ(json["sigma_velocity_mps"], (nlohmann::json{0.01, 0.01, 0.0}));
+  EXPECT_EQ(json["sigma_turn_rate_radps"], (nlohmann::json{0.0, 0.0, 0.02}));
+  const auto twist = nlohmann::json::parse(fix_as_ros(fix, two_vehicles()))["twist"];
+  EXPECT_EQ(twist["twist"]["linear"]["x"], 2.0);
+  EXPECT_EQ(twist["twist"]["angular"]["z"], 0.25);
+  EXPECT_EQ(twist["covariance"][0], 1e-4);
+  EXPECT_EQ(twist["covariance"][35], 4e-4);
+  // 2 m/s are 3.888 knots, at 0.5 rad from east towards north. The axes of [1 1.5; 1.5 4] cm^2 have variances
+  // of 0.3787 and 4.6213 cm^2; the longer one is 67.5 degrees from +x, so 22.5 degrees from north.
+  const std::string nmea = fix_as_nmea(fix, {48.14816, 17.10674, 0.0, std::numbers::pi / 2});
+  EXPECT_NE(nmea.find("$GPVTG,61.352,T,,M,3.888,N,7.200,K,A*"), std::string::npos) << nmea;
+  EXPECT_NE(nmea.find("$GPGST,235959.99,,0.0215,0.0062,22.5,0.0200,0.0100,0.0000*"), std::string::npos)
+      << nmea;
+}
+
 /// 10 m east and 20 m north of 48.14816 N, 17.10674 E on the tangent plane, via Cartesian coordinates of WGS
 /// 84: 48 degrees 8.9003920 minutes, 17 degrees 6.4124633 minutes.
 TEST(LiveFixes, NmeaIsOnTheEarth) {
   const std::string text = fix_as_nmea(some_fix(), {48.14816, 17.10674, 0.0, std::numbers::pi / 2});
   EXPECT_EQ(text.substr(0, 47), "$GPGGA,235959.99,4808.9003920,N,01706.4124633,E") << text;
-  EXPECT_NE(text.find("$GPGST,235959.99,,,,,0.0200,0.0100,0.0000*"), std::string::npos) << text;
+  EXPECT_NE(text.find("$GPGST,235959.99,,0.0200,0.0100,0.0,0.0200,0.0100,0.0000*"), std::string::npos)
+      << text;
   EXPECT_NE(text.find("$GPHDT,61.352,T*"), std::string::npos) << text;  // 90 - 0.5 rad
   Fix unknown = some_fix();
   unknown.covariance(2, 2) = kUnknownRotationVariance;

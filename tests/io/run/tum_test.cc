@@ -79,12 +79,23 @@ TEST(Fixes, CsvHoldsAllWithTheirStatus) {
   Fix protected_fix = some_fix(FixStatus::kOk);
   protected_fix.T_map_vehicle = {{1, 2, 0}, Eigen::Quaterniond::Identity()};
   protected_fix.protection_level_m = 0.25;
-  EXPECT_EQ(fixes_to_csv({protected_fix, some_fix(FixStatus::kTooFewArrivals)}, names),
-            "time_s,vehicle,x_m,y_m,z_m,heading_rad,sigma_x_m,sigma_y_m,sigma_heading_rad,protection_level_m,"
-            "arrivals_used,"
-            "arrivals_rejected,status,integrity,integrity_reason\n"
-            "1.5,\"a,b\",1,2,0,0,0.2,0.3,0.1,0.25,7,1,ok,ok,\n"
-            "1.5,\"a,b\",,,,,,,,,7,1,too_few_arrivals,no_fix,too_few_arrivals\n");
+  protected_fix.covariance(0, 1) = protected_fix.covariance(1, 0) = 0.02;
+  protected_fix.velocity = VelocityEstimate{};
+  protected_fix.velocity->mean << 0.5, 0, 0, 0, 0, 0.1;
+  EXPECT_EQ(
+      fixes_to_csv({protected_fix, some_fix(FixStatus::kTooFewArrivals)}, names),
+      "time_s,vehicle,x_m,y_m,z_m,heading_rad,sigma_x_m,sigma_y_m,sigma_heading_rad,protection_level_m,"
+      "arrivals_used,"
+      "arrivals_rejected,status,integrity,integrity_reason,velocity_x_mps,velocity_y_mps,velocity_z_mps,"
+      "turn_rate_x_radps,turn_rate_y_radps,turn_rate_z_radps,covariance_x_x,covariance_x_y,covariance_x_z,"
+      "covariance_x_turn_x,covariance_x_turn_y,covariance_x_turn_z,covariance_y_y,covariance_y_z,"
+      "covariance_y_turn_x,covariance_y_turn_y,covariance_y_turn_z,covariance_z_z,covariance_z_turn_x,"
+      "covariance_z_turn_y,covariance_z_turn_z,covariance_turn_x_turn_x,covariance_turn_x_turn_y,"
+      "covariance_turn_x_turn_z,covariance_turn_y_turn_y,covariance_turn_y_turn_z,covariance_turn_z_turn_z\n"
+      "1.5,\"a,b\",1,2,0,0,0.2,0.3,0.1,0.25,7,1,ok,ok,,0.5,0,0,0,0,0.1,"
+      "0.04,0.02,0,0,0,0,0.09,0,0,0,0,0,0,0,0,0,0,0,0,0,0.01\n"
+      "1.5,\"a,b\",,,,,,,,,7,1,too_few_arrivals,no_fix,too_few_arrivals" +
+          std::string(27, ',') + "\n");
 }
 
 /// The heading's variance of a spatial fix against a numeric derivative of heading_rad().

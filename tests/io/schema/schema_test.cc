@@ -56,7 +56,7 @@ bool is_number(const nlohmann::json& key, const nlohmann::json& root) {
 /// Unit in words from the suffix of a key's name: "m/s" for speed_mps; empty without a suffix.
 std::string unit_of_key(const std::string& key) {
   using Unit = std::pair<std::string_view, std::string_view>;
-  static constexpr std::array<Unit, 25> kUnits = {{{"_m_per_sqrt_m", "m per root of m"},
+  static constexpr std::array<Unit, 26> kUnits = {{{"_m_per_sqrt_m", "m per root of m"},
                                                    {"_rad_per_m", "rad/m"},
                                                    {"_rad_per_sqrt_m", "rad per root of m"},
                                                    {"_rad_per_s2", "rad/s2"},
@@ -68,6 +68,7 @@ std::string unit_of_key(const std::string& key) {
                                                    {"_m_per_year", "m per year"},
                                                    {"_mps2", "m/s2"},
                                                    {"_mps", "m/s"},
+                                                   {"_radps", "rad/s"},
                                                    {"_degC", "degC"},
                                                    {"_dbm", "dBm"},
                                                    {"_ppm", "1e-6"},

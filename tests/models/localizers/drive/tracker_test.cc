@@ -3,7 +3,9 @@
 #include "models/localizers/drive/tracker.h"
 #include "models/localizers/drive/drive_tracker.h"
 
+#include <algorithm>
 #include <iostream>
+#include <iterator>
 
 #include <gtest/gtest.h>
 #include <Eigen/LU>
@@ -87,6 +89,33 @@ TEST(Tracker, CausalFixesUseOnlyThePast) {
 }
 
 /// One receiver on the axis: only the turns of the odometry determine the heading.
+/// Velocities of fixes against the difference of true poses around them.
+TEST(Tracker, FixesHaveTheVelocity) {
+  const Deployment d = with_octagon(hall());
+  const Drive w = drive(d, 30, 1e-5, 1.0, 39);
+  for (const bool smooth : {true, false}) {
+    int count = 0;
+    double nees = 0.0;
+    for (const Fix& fix : track(w.log, d, {.smooth = smooth})) {
+      if (!fix.ok() || fix.time_s < 1.0) continue;
+      ASSERT_TRUE(fix.velocity);
+      const auto after = std::ranges::lower_bound(w.truth, fix.time_s, {}, &TimedPose::time_s);
+      if (after == w.truth.end() || after == w.truth.begin()) continue;
+      const auto before = std::prev(after);
+      const Pose T = before->T_map_vehicle.inverse() * after->T_map_vehicle;
+      Velocity error = fix.velocity->mean;
+      error.head<3>() -= T.translation_m / (after->time_s - before->time_s);
+      error.tail<3>() -= log_rotation(T.rotation) / (after->time_s - before->time_s);
+      for (const int i : {0, 1, 5}) nees += error[i] * error[i] / fix.velocity->variance[i] / 3;
+      EXPECT_LT(error.cwiseAbs().maxCoeff(), 0.5);
+      ++count;
+    }
+    ASSERT_GT(count, 200) << smooth;
+    EXPECT_LT(nees / count, 2.0) << smooth;
+    EXPECT_GT(nees / count, 0.5) << smooth;
+  }
+}
+
 TEST(Tracker, SingleReceiverNeedsAndGetsAWay) {
   const Deployment d = with_receiver(hall(), {0, 0, 0.3});
   const Drive w = drive(d, 60, 3e-5, 1.0, 34);
