@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -18,11 +19,18 @@ std::string vehicle_name(VehicleId vehicle, const NameTable& names) {
   return vehicle.valid() && vehicle.index() < names.vehicles.size() ? names.vehicles[vehicle.index()] : "";
 }
 
-/// Numbers, separated by commas.
+/// Numbers, separated by commas. Most numbers of a covariance in the plane are zero.
 template <class Numbers>
 std::string listed(const Numbers& numbers) {
   std::string text;
-  for (const double x : numbers.reshaped()) text += fmt::format("{}{:.6g}", text.empty() ? "" : ",", x);
+  for (const double x : numbers.reshaped()) {
+    if (!text.empty()) text += ',';
+    if (x == 0.0) {
+      text += '0';
+    } else {
+      fmt::format_to(std::back_inserter(text), "{:.6g}", x);
+    }
+  }
   return text;
 }
 
