@@ -19,8 +19,8 @@ constexpr std::size_t kSolutionScratchBytes = 3u << 20;  ///< solving for a wind
 constexpr double kFilterWindowGrowth = 1.33;
 /// Sigma of an unknown air temperature relative to the deployment's [K].
 constexpr double kAirSigma_K = 8.0;
-/// Limits of the uncertainty after a gap, beyond which the filter is not linear and the pose is searched
-/// again.
+/// Limits of the uncertainty at a start and after a gap, beyond which the filter is not linear and the pose
+/// is searched again.
 constexpr double kBlindShare = 0.1, kLeastBlind_m = 1.0, kBlindTurn_rad = 0.6;
 /// Duration of a search after which a start without a confirming beacon is accepted.
 constexpr double kLongSearch_s = 5.0;
@@ -130,12 +130,11 @@ bool DriveSearchOf<kDof>::start_filters(Filter& filter, BeaconBankOf<kDof>& bank
       independent_uncertainty_m(t, window_.all(), model_, options_.tracker.range_uncertainty_m);
   filter.set_range_uncertainty(uncertainty_m);
   State farthest = State::Zero();
+  const bool verified = is_verified(filter, work, farthest);
   // With few arrivals, an echo of one beacon may have moved the start by that much.
-  if (is_verified(filter, work, farthest)) {
-    filter.widen(farthest);
-  } else if (!has_searched_long()) {
-    return false;
-  }
+  if (verified) filter.widen(farthest);
+  const bool is_linear = filter.is_within(options_.most_place_m, options_.most_turn_rad);
+  if (!(verified && is_linear) && !has_searched_long()) return false;
   bank.start(filter, t,
              [this](const DriveMember& member, Filter& without) { start_without(member, without); });
   bank.set_range_uncertainty(uncertainty_m);

@@ -93,6 +93,24 @@ TEST(Follower, OdometryMakesATrack) {
   EXPECT_EQ(live.follower.counts().dropped, 0u);
 }
 
+/// Receivers so close to each other that the first arrivals leave the attitude open.
+TEST(Follower, AStartInSpaceWaitsForTheAttitude) {
+  Scenario s = test::drive_scenario(20.0);
+  s.site.motion = Motion::kSpatial;
+  s.log_odometry = true;
+  for (SiteReceiver& r : s.site.receivers) r.position_m *= 0.06;
+  for (const std::uint64_t seed : {5, 6, 7}) {
+    const World world = test::must(simulate(s, seed));
+    FollowOptions options;
+    options.odometry = world.heldout.odometry_accuracy;
+    Live live(world.truth, options);
+    feed(live.follower, world.heldout);
+    const auto first = std::ranges::find_if(live.fixes, &Fix::ok);
+    ASSERT_NE(first, live.fixes.end());
+    EXPECT_LT(std::sqrt(first->covariance.diagonal().tail<3>().maxCoeff()), 0.6) << seed;
+  }
+}
+
 TEST(Follower, OdometryInSpaceMakesATrackWithAttitude) {
   Scenario s = test::drive_scenario(30.0);
   s.site.motion = Motion::kSpatial;
