@@ -283,7 +283,8 @@ void bind_fixes(py::module_& m) {
           "[m] "
           "and of small rotations about x, y, z of the map [rad]. velocity_mps and turn_rate_radps: 3 "
           "numbers, "
-          "along and about x, y, z of the vehicle; sigma_velocity_mps and sigma_turn_rate_radps likewise.")
+          "along and about x, y, z of the vehicle, with their standard deviations in sigma_velocity_mps and "
+          "sigma_turn_rate_radps.")
       .def_property_readonly("status",
                              [](const Fixes& f) {
                                std::vector<std::string> status;
