@@ -175,4 +175,11 @@ std::vector<std::vector<bool>> beacons_in_unit_by_ranges(const Site& site,
   return all;
 }
 
+bool are_all_in_unit_by_ranges(const Site& site, const std::vector<MeasurementLog>& runs,
+                               const LengthUnit& unit) {
+  const Shares shares(site, runs, unit);
+  return shares.broken(shares.placed()) <
+         kFarBetter * shares.broken(std::vector<bool>(site.beacons.size(), false));
+}
+
 }  // namespace octant::calib

@@ -17,4 +17,8 @@ namespace octant::calib {
 [[nodiscard]] std::vector<std::vector<bool>> beacons_in_unit_by_ranges(
     const Site& site, const std::vector<MeasurementLog>& runs, const LengthUnit& unit);
 
+/// Returns true if the brackets are violated far less with the positions of all beacons in `unit`.
+[[nodiscard]] bool are_all_in_unit_by_ranges(const Site& site, const std::vector<MeasurementLog>& runs,
+                                             const LengthUnit& unit);
+
 }  // namespace octant::calib

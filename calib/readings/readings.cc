@@ -65,10 +65,20 @@ class Search {
   std::vector<Contradiction> run() {
     score_as_stated();
     const bool jumps = ranges_show_a_jump(site_, problem_.runs);
+    // Hypotheses without a parameter come first.
+    try_out(unit_by_ranges(site_, second_));
+    if (!is_explained()) try_out(heights_downwards(site_));
+    if (is_explained()) return best();
+    found_.clear();
+    const std::vector<Reading> odometry = other_odometry(problem_.runs);
+    try_out(odometry);
+    if (is_explained()) {
+      try_frames();  // mirrored receivers resemble turns of the wrong sign
+      return best();
+    }
+    const std::vector<ScoredReading> by_odometry = std::exchange(found_, {});
     // If the ranges alone show a jump, it is examined early, because other searches would be long and
     // useless. Before it come causes common to all arrivals, which explain all of them or none.
-    try_out(heights_downwards(site_));
-    if (is_explained()) return best();
     try_out(common_delay(site_, problem_.typical_range_m));
     try_out(drifting_clocks(site_, problem_.runs, options_));
     if (stated_.agreeing < kScaleAgrees) try_out(points_elsewhere(site_));
@@ -77,7 +87,7 @@ class Search {
     if (found_.empty()) try_clock_and_point_of_poses();
     if (found_.empty()) try_errors_of_odometry();
     if (!found_.empty()) return best();
-    try_numbered_stops();
+    for (const Reading& reading : numbered_stops(problem_.runs)) accept(reading);
     if (found_.empty()) try_exchanged_points();
     const bool scale_is_right = stated_.agreeing >= kScaleAgrees && stated_.noise <= kNoise &&
                                 !is_blamed(ContradictionKind::kSpeed) && are_all_placed(site_);
@@ -86,16 +96,9 @@ class Search {
       try_out(scale_is_right ? other_units(site_, second_, true) : scales(),
               is_blamed(ContradictionKind::kSpeed));
     // A wrong frame or reversed odometry resembles receivers in another unit.
-    const std::vector<Reading> odometry =
-        is_explained() ? std::vector<Reading>() : other_odometry(problem_.runs);
-    try_out(odometry);
-    std::vector<Reading> frames = other_pose_frames(problem_.runs);
-    for (Reading& reading : other_pose_units(problem_.runs)) frames.push_back(std::move(reading));
-    if (nothing_but_exchanges() || !frames.empty() || !odometry.empty()) {
-      for (Reading& reading : other_wirings(site_, solution_)) frames.push_back(std::move(reading));
-      for (Reading& reading : other_site_frames(site_)) frames.push_back(std::move(reading));
-      try_out(frames);
-    }
+    found_.insert(found_.end(), by_odometry.begin(), by_odometry.end());
+    if (nothing_but_exchanges() || !odometry.empty() || !other_pose_frames(problem_.runs).empty())
+      try_frames();
     try_without_poses();
     return best();
   }
@@ -107,6 +110,15 @@ class Search {
   };
   static constexpr double kScaleAgrees =
       0.5;  ///< share of agreeing arrivals that excludes a wrong scale of everything
+
+  /// Examines frames of the poses, of the receivers and of the map, and the wiring.
+  void try_frames() {
+    std::vector<Reading> frames = other_pose_frames(problem_.runs);
+    for (Reading& reading : other_pose_units(problem_.runs)) frames.push_back(std::move(reading));
+    for (Reading& reading : other_wirings(site_, solution_)) frames.push_back(std::move(reading));
+    for (Reading& reading : other_site_frames(site_)) frames.push_back(std::move(reading));
+    try_out(frames);
+  }
 
   /// Hypotheses that scale everything.
   [[nodiscard]] std::vector<Reading> scales() const {
@@ -204,9 +216,8 @@ class Search {
         ranking.emplace_back(loss, i);
     }
     std::ranges::stable_sort(ranking, [](const auto& a, const auto& b) { return a.first < b.first; });
-    // For each kind, so that mirrored poses and exchanged receivers are both examined
+    // For each kind, so that mirrored poses and exchanged receivers are both examined.
     std::map<ContradictionKind, std::size_t> tried;
-    // receivers wired so, each is to have its turn
     std::erase_if(ranking,
                   [&](const auto& r) { return ++tried[readings[r.second].what.kind] > kSecondTrials; });
     std::ranges::sort(ranking, [](const auto& a, const auto& b) { return a.second < b.second; });
@@ -304,13 +315,6 @@ class Search {
     if (std::any_of(found_.begin(), found_.end() - 1,
                     [agreeing](const ScoredReading& t) { return t.score.agreeing >= agreeing; }))
       found_.pop_back();
-  }
-
-  /// Examines stops numbered by pauses. The subsample depends on the epochs, so it is chosen again.
-  void try_numbered_stops() {
-    for (const Reading& reading : numbered_stops(problem_.runs))
-      if (const ReadingScore s = score(reading, kSecondShare, true); explains(s))
-        found_.push_back({reading.what, s});
   }
 
   /// Accepts the best exchange of two control points. An exchange preserves most of the shape of the site, so

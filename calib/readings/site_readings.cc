@@ -13,6 +13,7 @@
 #include "calib/problem/site_units.h"
 #include "calib/readings/mixed_units.h"
 #include "calib/readings/wiring.h"
+#include "calib/statements/statement_words.h"
 
 namespace octant::calib {
 namespace {
@@ -99,6 +100,19 @@ std::vector<Reading> other_ranging(const Site& site) {
       {}}};
 }
 
+std::vector<Reading> unit_by_ranges(const Site& site, const std::vector<MeasurementLog>& runs) {
+  std::vector<bool> placed;
+  for (const SiteBeacon& b : site.beacons)
+    placed.push_back(std::ranges::any_of(b.position_m, [](const auto& x) { return x.has_value(); }));
+  std::vector<Reading> readings;
+  for (const LengthUnit& u : length_units()) {
+    if (!are_all_in_unit_by_ranges(site, runs, u)) continue;
+    readings.push_back(unit_reading(u, {placed, false}, "the beacons"));
+    readings.push_back(unit_reading(u, {placed, true}, "the beacons and receivers"));
+  }
+  return readings;
+}
+
 std::vector<Reading> other_units(const Site& site, const std::vector<MeasurementLog>& runs, bool some_only) {
   const std::vector<bool> none(site.beacons.size(), false);
   std::vector<bool> all = none;
@@ -133,38 +147,26 @@ std::vector<Reading> exchanged_points(const Site& site) {
   for (std::size_t i = 0; i < points.size(); ++i)
     for (std::size_t j = i + 1; j < points.size(); ++j) {
       const std::size_t a = points[i], b = points[j];
-      const std::string names = site.beacons[a].name + ", " + site.beacons[b].name;
-      readings.push_back(
-          {{ContradictionKind::kExchanged, names, "at the places in the site file", "at each other's places",
-            0.0,
-            fmt::format("exchange the positions of control points {} and {} in the site file, or their "
-                        "labels on the wall",
-                        site.beacons[a].name, site.beacons[b].name)},
-           [a, b](const Site& stated) {
-             Site other = stated;
-             std::swap(other.beacons[a].position_m, other.beacons[b].position_m);
-             return other;
-           },
-           {}});
+      readings.push_back({exchange_in_words(site.beacons[a], site.beacons[b]),
+                          [a, b](const Site& stated) {
+                            Site other = stated;
+                            std::swap(other.beacons[a].position_m, other.beacons[b].position_m);
+                            return other;
+                          },
+                          {}});
     }
   return readings;
 }
 
 std::vector<Reading> heights_downwards(const Site& site) {
-  const auto has_height = [](const SiteBeacon& b) { return b.position_m[2] && *b.position_m[2] != 0.0; };
-  if (std::ranges::none_of(site.beacons, has_height)) return {};
-  return {
-      Reading{{ContradictionKind::kExchanged, "of the site file", "in a frame with z up",
-               "that heights count downwards: z of all beacons has the wrong sign", 0.0,
-               "write the heights of the beacons with z up: above the floor, or the surface of the water, "
-               "is positive"},
-              [](const Site& stated) {
-                Site other = stated;
-                for (SiteBeacon& b : other.beacons)
-                  if (b.position_m[2]) b.position_m[2] = -*b.position_m[2];
-                return other;
-              },
-              {}}};
+  if (!has_heights(site)) return {};
+  return {Reading{heights_in_words(),
+                  [](const Site& stated) {
+                    Site other = stated;
+                    turn_heights(other);
+                    return other;
+                  },
+                  {}}};
 }
 
 std::vector<Reading> common_delay(const Site& site, double typical_range_m) {

@@ -12,6 +12,8 @@ namespace octant::calib {
 /// Hypotheses that times are two-way instead of one-way, or vice versa; empty if each epoch has its own clock
 /// offset.
 [[nodiscard]] std::vector<Reading> other_ranging(const Site& site);
+/// Hypotheses that all positions are in the unit that the ranges suggest (mixed_units.h). Usually empty.
+[[nodiscard]] std::vector<Reading> unit_by_ranges(const Site& site, const std::vector<MeasurementLog>& runs);
 /// Hypotheses that positions of beacons, receivers or both are in centimetres, millimetres, feet or inches.
 /// @param some_only  only beacons of another order of magnitude than the rest, or that the ranges distinguish
 /// from it (mixed_units.h)

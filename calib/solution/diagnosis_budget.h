@@ -19,7 +19,7 @@ namespace octant::calib {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Bounds one step of a diagnosis by the time that is left of three times the time of the fit (a minute at
+/// Bounds one step of a diagnosis by the time that is left of three times the time of the fit (45 s at
 /// most) and SolveOptions::diagnosis_s, or of a share of that. The step's time counts when the object goes
 /// out of scope.
 class DiagnosisBudget {
@@ -45,7 +45,7 @@ class DiagnosisBudget {
   [[nodiscard]] const SolveOptions& options() const { return options_; }
 
  private:
-  static constexpr double kTimesOfFit = 3.0, kMostOfFit_s = 60.0;
+  static constexpr double kTimesOfFit = 3.0, kMostOfFit_s = 45.0;
 
   [[nodiscard]] double passed_s() const { return thread_time_s() - began_s_; }
   [[nodiscard]] double left_s() const {

@@ -3,11 +3,15 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "calib/problem/parameters.h"
 #include "calib/problem/problem.h"
+#include "calib/statements/refit.h"
 
 namespace octant::calib {
 
@@ -25,13 +29,16 @@ enum class What {
   kSpeed,
   kReceiver,
   kAttenuation,
-  kDistance
+  kDistance,
+  kHeights,  ///< heights of all beacons count upwards
+  kLabels    ///< two beacons are at their own positions, and not at each other's
 };
 
 /// One assumption of a site file.
 struct Statement {
   What what = What::kSpeed;
   std::size_t index = 0;  ///< index of the beacon, receiver, run, coefficient or distance
+  std::size_t other = 0;  ///< index of the second beacon of kLabels
   bool operator==(const Statement&) const = default;
 };
 
@@ -44,6 +51,43 @@ struct Statement {
   return s.what == What::kControlPoint || s.what == What::kNoDelays || s.what == What::kOneDelay ||
          s.what == What::kHeldSpeed;
 }
+
+/// Returns true for the position of a beacon.
+[[nodiscard]] inline bool is_place(const Statement& s) {
+  return s.what == What::kControlPoint || s.what == What::kPlace;
+}
+
+/// Returns true if an assumption is either true or replaced by one alternative, without a free parameter:
+/// heights that count downwards, exchanged beacons.
+[[nodiscard]] inline bool has_alternative(const Statement& s) {
+  return s.what == What::kHeights || s.what == What::kLabels;
+}
+
+/// Returns true if a beacon has a height other than zero.
+[[nodiscard]] bool has_heights(const Site& site);
+/// Changes the sign of the heights of all beacons.
+void turn_heights(Site& site);
+
+/// Difference between the site file and a fit.
+struct Difference {
+  Eigen::VectorXd v;  ///< value of the fit minus value of the site file, internal units
+  Eigen::MatrixXd covariance;
+  double length_m = 0.0;  ///< effect at the beacons or the robot
+  /// Squared difference, normalised by its covariance.
+  [[nodiscard]] double squares() const;
+  /// Normal deviate with the chi-square probability of squares() (Wilson and Hilferty 1931, far in the tail).
+  [[nodiscard]] double sigmas() const;
+};
+
+/// Returns true if an assumption, or an exchange of the beacon whose position it is, is among the released
+/// ones.
+[[nodiscard]] bool is_released(const Statement& s, const std::vector<Statement>& released);
+
+/// An assumption that deviates significantly, before any new adjustment.
+struct Suspect {
+  Statement statement;
+  double sigmas = 0.0;
+};
 
 /// Assumptions of a site file in a calibration.
 class StatedSite {
@@ -67,7 +111,20 @@ class StatedSite {
   /// contradicted assumption.
   [[nodiscard]] std::vector<Statement> common_causes() const;
 
-  /// Layout in which some assumptions are released.
+  /// The most significant deviations of a fit (statements.h), and control points most of whose arrivals were
+  /// rejected.
+  /// @param released  assumptions that the fit does not contain
+  [[nodiscard]] std::vector<Suspect> suspects(const Fit& fit, const std::vector<Statement>& released,
+                                              int threads) const;
+
+  /// Exchange of a beacon with the one at whose stated position it was found.
+  [[nodiscard]] std::optional<Statement> exchange_of(const Statement& place,
+                                                     const Eigen::Vector3d& found_m) const;
+
+  /// State under the alternative of an assumption; unchanged if it has none.
+  [[nodiscard]] SharedState with_alternative(const Statement& statement, SharedState state) const;
+
+  /// Layout in which some assumptions are released, or replaced by their alternatives.
   /// @param problem  output: problem with the corresponding site
   [[nodiscard]] ParameterLayout layout_without(const std::vector<Statement>& released,
                                                const SharedState& state, Problem& problem) const;

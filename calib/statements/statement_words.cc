@@ -17,6 +17,10 @@
 namespace octant::calib {
 namespace {
 
+std::string point(const Eigen::Vector3d& p) {
+  return fmt::format("({:.3f}, {:.3f}, {:.3f}) m", p.x(), p.y(), p.z());
+}
+
 class StatementWords {
  public:
   StatementWords(const StatedSite& stated, const Fit& fit) : stated_(stated), fit_(fit) {}
@@ -24,7 +28,6 @@ class StatementWords {
   [[nodiscard]] Contradiction contradiction(const Statement& s, double sigmas) const {
     const SharedState state = fit_.state();
     Contradiction c;
-    c.sigmas = sigmas;
     switch (s.what) {
       case What::kControlPoint:
       case What::kPlace: describe_place(s, state, c); break;
@@ -44,37 +47,13 @@ class StatementWords {
       case What::kReceiver: describe_receiver(s, state, c); break;
       case What::kAttenuation: describe_attenuation(s, c); break;
       case What::kDistance: describe_distance(s, state, c); break;
+      case What::kLabels:
+        c = exchange_in_words(stated_.site().beacons[s.index], stated_.site().beacons[s.other]);
+        break;
+      case What::kHeights: c = heights_in_words(); break;
     }
+    c.sigmas = sigmas;
     return c;
-  }
-
-  /// Joins two control points that were found at each other's positions.
-  void join_exchanged(const std::vector<Statement>& culprits, std::vector<Contradiction>& found) const {
-    const SharedState state = fit_.state();
-    const auto place = [&](std::size_t b) { return *stated_.site().beacons[b].place_m(); };
-    for (std::size_t i = 0; i < culprits.size(); ++i)
-      for (std::size_t j = i + 1; j < culprits.size(); ++j) {
-        if (!is_place(culprits[i]) || !is_place(culprits[j])) continue;
-        const std::size_t a = culprits[i].index, b = culprits[j].index;
-        if (!stated_.site().beacons[a].place_m() || !stated_.site().beacons[b].place_m()) continue;
-        const double near = 0.1 * (place(a) - place(b)).norm();
-        if ((state.beacon_p_map_m[a] - place(b)).norm() > near ||
-            (state.beacon_p_map_m[b] - place(a)).norm() > near)
-          continue;
-        Contradiction& c = found[i];
-        c.kind = ContradictionKind::kExchanged;
-        c.subject = stated_.site().beacons[a].name + ", " + stated_.site().beacons[b].name;
-        c.stated = fmt::format("at {} and {}", point(place(a)), point(place(b)));
-        c.found = "at each other's places";
-        c.remedy = fmt::format(
-            "exchange the positions of {} {} and {} in the site file, or their labels on the "
-            "wall",
-            culprits[i].what == culprits[j].what && culprits[i].what == What::kControlPoint ? "control points"
-                                                                                            : "beacons",
-            stated_.site().beacons[a].name, stated_.site().beacons[b].name);
-        found.erase(found.begin() + static_cast<std::ptrdiff_t>(j));
-        return;
-      }
   }
 
   /// Joins the control points of a planar site if all are too high, or too low, by the same amount.
@@ -118,9 +97,6 @@ class StatementWords {
   }
 
  private:
-  static std::string point(const Eigen::Vector3d& p) {
-    return fmt::format("({:.3f}, {:.3f}, {:.3f}) m", p.x(), p.y(), p.z());
-  }
   static std::string length(double m) {
     return std::abs(m) < 1.0 ? fmt::format("{:.1f} mm", 1e3 * m) : fmt::format("{:.3f} m", m);
   }
@@ -137,8 +113,6 @@ class StatementWords {
       found.z() = height_on_known_side_m(site.receivers, stated.z(), found.z());
     return found;
   }
-
-  static bool is_place(const Statement& s) { return s.what == What::kControlPoint || s.what == What::kPlace; }
 
   void describe_place(const Statement& s, const SharedState& state, Contradiction& c) const {
     const SiteBeacon& b = stated_.site().beacons[s.index];
@@ -309,6 +283,27 @@ class StatementWords {
 
 }  // namespace
 
+Contradiction exchange_in_words(const SiteBeacon& a, const SiteBeacon& b) {
+  const bool are_points = a.is_control_point() && b.is_control_point();
+  return {ContradictionKind::kExchanged,
+          a.name + ", " + b.name,
+          fmt::format("at {} and {}", point(*a.place_m()), point(*b.place_m())),
+          "at each other's places",
+          0.0,
+          fmt::format("exchange the positions of {} {} and {} in the site file, or their labels on the wall",
+                      are_points ? "control points" : "beacons", a.name, b.name)};
+}
+
+Contradiction heights_in_words() {
+  return {ContradictionKind::kExchanged,
+          "of the site file",
+          "in a frame with z up",
+          "that heights count downwards: z of all beacons has the wrong sign",
+          0.0,
+          "write the heights of the beacons with z up: above the floor, or the surface of the water, is "
+          "positive"};
+}
+
 std::vector<Contradiction> in_words(const StatedSite& stated, const Fit& fit,
                                     const std::vector<Statement>& culprits,
                                     const std::vector<double>& sigmas) {
@@ -316,8 +311,7 @@ std::vector<Contradiction> in_words(const StatedSite& stated, const Fit& fit,
   std::vector<Contradiction> found;
   for (std::size_t i = 0; i < culprits.size(); ++i)
     found.push_back(words.contradiction(culprits[i], sigmas[i]));
-  words.join_exchanged(culprits, found);
-  if (found.size() == culprits.size()) words.join_heights(culprits, found);
+  words.join_heights(culprits, found);
   return found;
 }
 

@@ -6,12 +6,9 @@
 #include <cmath>
 #include <optional>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-
-#include "calib/adjust/information.h"
 #include "calib/adjust/priors.h"
-#include "calib/problem/log_totals.h"
+#include "calib/problem/ranges.h"
+#include "calib/problem/trilaterate.h"
 #include "calib/statements/error_fit.h"
 #include "calib/statements/refit.h"
 #include "calib/statements/statement.h"
@@ -28,45 +25,25 @@ constexpr double kFalseAlarms = 0.002;
 constexpr double kFewestSigmas = 5.0;
 /// Share of the site's tolerance below which a deviation is irrelevant.
 constexpr double kMatters = 0.2;
-/// Limits for suspects, before any new adjustment: significance, and share of rejected arrivals of a control
-/// point.
-constexpr double kSuspectStatementSigmas = 4.0;
-constexpr double kMostlyLeftOut = 0.3;
 /// Half squares by which a common cause must explain more than the best single assumption, because it has
 /// more parameters.
 constexpr double kPlainlyBetter = 16.0;
 /// Maximum number of parameters. The matrices are dense: about ten of 32 MB.
 constexpr Eigen::Index kMostParameters = 2000;
-constexpr std::size_t kMostSuspects = 8, kMostCulprits = 4;
+constexpr std::size_t kMostCulprits = 4;
 /// Least significance of an error that many observations have in common; some dozens are tested.
 constexpr double kErrorSigmas = 6.0;
 /// Largest share of the cost that may remain if such an error is a contradiction.
 constexpr double kLeavesLess = 0.5;
+/// Share of the cost below which the most significant error leaves no misfit for other suspects.
+constexpr double kLeavesLittle = 0.1;
 constexpr std::size_t kMostErrors = 4;
 /// Difference of log-likelihoods below which errors are equally likely.
 constexpr double kEquallyLikely = 5.0;
 
-/// Difference between the site file and a fit.
-struct Difference {
-  Eigen::VectorXd v;  ///< value of the fit minus value of the site file, internal units
-  Eigen::MatrixXd covariance;
-  double length_m = 0.0;  ///< effect at the beacons or the robot
-  /// Squared difference, normalised by its covariance.
-  [[nodiscard]] double squares() const { return v.size() == 0 ? 0.0 : v.dot(covariance.ldlt().solve(v)); }
-  /// Normal deviate with the chi-square probability of squares() (Wilson and Hilferty 1931, far in the tail).
-  [[nodiscard]] double sigmas() const {
-    const double n = static_cast<double>(v.size()), s = squares();
-    if (!(s > 0) || !std::isfinite(s)) return 0.0;
-    return n == 1 ? std::sqrt(s) : std::max(0.0, std::sqrt(s) - std::sqrt(n - 1));
-  }
-};
-
 double chance(double squares, Eigen::Index degrees) {
   return squares > 0 && degrees > 0 ? chi_square_tail(squares, static_cast<int>(degrees)) : 1.0;
 }
-
-/// Returns true if the parameter has a prior.
-bool has_prior(const Parameter& p) { return std::isfinite(p.prior_sigma); }
 
 class StatementTest {
  public:
@@ -114,162 +91,47 @@ class StatementTest {
     std::optional<CommonError> error = {}, or_else = {};  ///< or_else: an equally likely error
   };
 
-  // Suspects without a new adjustment
-
-  struct Suspect {
-    Statement statement;
-    double sigmas = 0.0;
-  };
-
-  [[nodiscard]] std::vector<Suspect> suspects() const {
-    std::vector<Statement> held;
-    for (const Statement& s : all_)
-      if (!is_released(s) && is_held(s)) held.push_back(s);
-    std::vector<Statement> loose = released_;
-    loose.insert(loose.end(), held.begin(), held.end());
-    Problem problem = now_.problem;
-    const ParameterLayout wide = stated_.layout_without(loose, now_.state(), problem);
-    std::vector<Trajectory> trajectories = now_.trajectories;
-    const Eigen::VectorXd x = wide.vector_of(now_.state());
-    const SharedState state = wide.state_of(x);
-    const Information information =
-        information_at(problem, wide, trajectories, x, {.threads = options_.threads});
-    const double noise2 = std::max(1e-12, now_.noise_factor * now_.noise_factor);
-    std::vector<int> free;
-    std::vector<bool> held_column(static_cast<std::size_t>(wide.size()), false);
-    for (const Statement& s : held)
-      for (const int c : columns_of(s, wide)) held_column[static_cast<std::size_t>(c)] = true;
-    for (int c = 0; c < wide.size(); ++c)
-      if (!held_column[static_cast<std::size_t>(c)]) free.push_back(c);
-    const Eigen::MatrixXd H = information.data / noise2;
-    const Eigen::VectorXd gradient = information.data_gradient / noise2;
-    const Eigen::MatrixXd C = inverse_of_information((H + information.prior)(free, free));
-    std::vector<int> place(static_cast<std::size_t>(wide.size()), -1);
-    for (std::size_t i = 0; i < free.size(); ++i)
-      place[static_cast<std::size_t>(free[i])] = static_cast<int>(i);
-    std::vector<Suspect> found;
-    for (const Statement& s : all_) {
-      if (is_released(s)) continue;
-      Suspect suspect{s, 0.0};
-      const std::vector<int> columns = columns_of(s, wide);
-      if (s.what == What::kDistance) {
-        suspect.sigmas = distance_sigmas(s.index, wide, state, C, place);
-      } else if (is_held(s)) {
-        const Eigen::MatrixXd H_sf = H(columns, free);
-        suspect.sigmas =
-            released_sigmas(H(columns, columns) - H_sf * C * H_sf.transpose(), gradient(columns));
-      } else {
-        suspect.sigmas = prior_sigmas(columns, wide, x, C, place);
-      }
-      if (is_mostly_left_out(s)) suspect.sigmas = std::max(suspect.sigmas, 1e3);
-      if (suspect.sigmas > kSuspectStatementSigmas) found.push_back(suspect);
-    }
-    std::ranges::sort(found, std::ranges::greater{}, &Suspect::sigmas);
-    if (found.size() > kMostSuspects) found.resize(kMostSuspects);
-    return found;
-  }
-
-  /// lambda' C^+ lambda as a normal deviate. Directions that the data do not determine do not count.
-  static double released_sigmas(const Eigen::MatrixXd& C_lambda, const Eigen::VectorXd& lambda) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(C_lambda);
-    Difference d{Eigen::VectorXd::Zero(0), {}, 0.0};
-    std::vector<double> parts;
-    for (Eigen::Index i = 0; i < lambda.size(); ++i)
-      if (eigen.eigenvalues()[i] > 1e-8 * eigen.eigenvalues().maxCoeff())
-        parts.push_back(eigen.eigenvectors().col(i).dot(lambda) / std::sqrt(eigen.eigenvalues()[i]));
-    d.v = Eigen::Map<Eigen::VectorXd>(parts.data(), static_cast<Eigen::Index>(parts.size()));
-    d.covariance = Eigen::MatrixXd::Identity(d.v.size(), d.v.size());
-    return d.sigmas();
-  }
-
-  static double prior_sigmas(const std::vector<int>& columns, const ParameterLayout& layout,
-                             const Eigen::VectorXd& x, const Eigen::MatrixXd& C,
-                             const std::vector<int>& place) {
-    Difference d;
-    d.v.resize(static_cast<Eigen::Index>(columns.size()));
-    d.covariance.resize(d.v.size(), d.v.size());
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      const Parameter& p = layout.parameter(columns[i]);
-      if (!has_prior(p)) return 0.0;
-      const auto row = static_cast<Eigen::Index>(i);
-      d.v[row] = x[columns[i]] - p.prior_mean;
-      for (std::size_t j = 0; j < columns.size(); ++j)
-        d.covariance(row, static_cast<Eigen::Index>(j)) =
-            (i == j ? p.prior_sigma * p.prior_sigma : 0.0) -
-            C(place[static_cast<std::size_t>(columns[i])], place[static_cast<std::size_t>(columns[j])]);
-    }
-    // A direction that the data improve by less than a hundredth is determined by the prior.
-    for (Eigen::Index i = 0; i < d.v.size(); ++i) {
-      const double prior2 =
-          d.covariance(i, i) + C(place[static_cast<std::size_t>(columns[static_cast<std::size_t>(i)])],
-                                 place[static_cast<std::size_t>(columns[static_cast<std::size_t>(i)])]);
-      d.covariance(i, i) += 0.01 * prior2;
-    }
-    return d.sigmas();
-  }
-
-  [[nodiscard]] double distance_sigmas(std::size_t index, const ParameterLayout& layout,
-                                       const SharedState& state, const Eigen::MatrixXd& C,
-                                       const std::vector<int>& place) const {
-    const PriorRow row = distance_row(site().distances[index], layout, state);
-    Eigen::VectorXd a = Eigen::VectorXd::Zero(C.rows());
-    for (const auto& [column, value] : row.entries)
-      if (const int c = place[static_cast<std::size_t>(column)]; c >= 0) a[c] += value;
-    const double variance = 1.0 - a.dot(C * a);
-    return variance > 0.01 ? std::abs(row.residual) / std::sqrt(variance) : 0.0;
-  }
-
-  /// Returns true for a control point most of whose arrivals were rejected, so that its innovation is not
-  /// informative.
-  [[nodiscard]] bool is_mostly_left_out(const Statement& s) const {
-    if (s.what != What::kControlPoint && s.what != What::kPlace) return false;
-    const RejectionCounts counts =
-        rejections_by_beacon(now_.trajectories, now_.beacon_usable.size())[s.index];
-    const std::size_t placed = counts.all() - counts.of(Rejection::kNoPose);
-    return placed >= 10 &&
-           static_cast<double>(counts.outliers()) > kMostlyLeftOut * static_cast<double>(placed);
-  }
-
-  [[nodiscard]] bool is_released(const Statement& s) const {
-    return std::ranges::find(released_, s) != released_.end();
-  }
-
   // Tests with a new adjustment
 
   [[nodiscard]] std::optional<Culprit> next_culprit() const {
+    const std::vector<Suspect> suspects = stated_.suspects(now_, released_, options_.threads);
     std::optional<Culprit> best;
-    for (const Suspect& suspect : suspects()) {
-      if (options_.is_stopped()) break;
-      if (auto c = culprit(suspect.statement, best ? best->fit.cost : now_.cost)) best = std::move(c);
+    if (!errors_.empty()) consider(errors_.front(), best);
+    if (best && best->fit.cost < kLeavesLittle * now_.cost) return best;
+    for (const Suspect& suspect : suspects)
+      if (const auto place_m = place_by_ranges(suspect.statement))
+        consider_exchange(suspect.statement, *place_m, best);
+    const bool has_signs = has_heights(site()) && !is_released({What::kHeights}, released_);
+    if (!suspects.empty() && has_signs && !(best && is_explained_by(*best))) consider({What::kHeights}, best);
+    for (const Suspect& suspect : suspects) {
+      if (options_.is_stopped() || (best && is_explained_by(*best))) break;
+      consider(suspect.statement, best);
     }
+    if (best && is_explained_by(*best)) return best;
     // A wrong common delay or speed distorts everything, and a correct control point may be blamed for it.
-    if (best)
+    if (best && !best->error)
       for (const Statement& cause : stated_.common_causes())
-        if (!is_released(cause))
-          if (auto c = culprit(cause, best->fit.cost - kPlainlyBetter)) best = std::move(c);
-    for (std::size_t i = 0; i < std::min(errors_.size(), kMostErrors); ++i) {
-      std::optional<Culprit> c = culprit(errors_[i]);
-      if (!c) continue;
-      if (best && best->error &&
-          std::abs(best->fit.cost - c->fit.cost) <
-              kEquallyLikely * noise_variance(c->fit, options_.threads)) {
-        best->or_else = c->error;
-      } else if (!best || c->fit.cost < best->fit.cost) {
-        best = std::move(c);
-      }
-    }
+        if (!is_released(cause, released_)) consider(cause, best, kPlainlyBetter);
+    for (std::size_t i = 1; i < std::min(errors_.size(), kMostErrors); ++i) consider(errors_[i], best);
     return best;
   }
 
   // Errors common to many observations
 
-  /// Returns an error if its correction makes the recording significantly likelier, and by a relevant length.
-  [[nodiscard]] std::optional<Culprit> culprit(const CommonError& error) const {
+  /// Keeps an error as the best explanation if its correction makes the recording significantly likelier, by
+  /// a relevant length, and costs less. An equally likely error is kept as an alternative.
+  void consider(const CommonError& error, std::optional<Culprit>& best) const {
     std::optional<ErrorFit> without = fit_without(options_, now_, error);
     if (!without || without->error.sigmas < kErrorSigmas ||
         without->error.length_m < kMatters * tolerance_m(whole_))
-      return {};
-    return Culprit{{}, std::move(without->fit), without->error.sigmas, without->error, {}};
+      return;
+    if (best && best->error &&
+        std::abs(best->fit.cost - without->fit.cost) <
+            kEquallyLikely * noise_variance(without->fit, options_.threads)) {
+      best->or_else = without->error;
+    } else if (!best || without->fit.cost < best->fit.cost) {
+      best = Culprit{{}, std::move(without->fit), without->error.sigmas, without->error, {}};
+    }
   }
 
   /// Reports an error: as a contradiction if it explains most of the misfit or is of a kind that is never
@@ -289,23 +151,52 @@ class StatementTest {
     found.errors.push_back(*c.error);
   }
 
-  /// Returns an assumption if its release costs less than the other explanation, and the fit then contradicts
-  /// it.
-  [[nodiscard]] std::optional<Culprit> culprit(const Statement& s, double other_cost) const {
+  /// Keeps an assumption as the best explanation if its release costs less by some amount, and the fit then
+  /// contradicts it. A beacon that is found at the position of another one may be exchanged with it.
+  void consider(const Statement& s, std::optional<Culprit>& best, double less = 0.0) const {
     Culprit c{s, released(s), 0.0, {}, {}};
-    if (!c.fit.ok || !(c.fit.cost < other_cost)) return {};
-    const Difference d = difference(s, c.fit);
-    if (!is_contradicted(d)) return {};
-    c.sigmas = d.sigmas();
-    return c;
+    if (!c.fit.ok) return;
+    const Eigen::Vector3d found_m =
+        is_place(s) ? c.fit.state().beacon_p_map_m[s.index] : Eigen::Vector3d::Zero();
+    if (c.fit.cost < (best ? best->fit.cost - less : now_.cost)) {
+      const Difference d = difference(s, c.fit);
+      c.sigmas = d.sigmas();
+      if (is_contradicted(d)) best = std::move(c);
+    }
+    if (is_place(s)) consider_exchange(s, found_m, best);
+  }
+
+  void consider_exchange(const Statement& s, const Eigen::Vector3d& found_m,
+                         std::optional<Culprit>& best) const {
+    const std::optional<Statement> exchange = stated_.exchange_of(s, found_m);
+    if (exchange && !is_released(*exchange, released_) && !(best && best->statement == *exchange))
+      consider(*exchange, best);
+  }
+
+  /// Position of a beacon by all its arrivals, for the current states of the vehicle.
+  [[nodiscard]] std::optional<Eigen::Vector3d> place_by_ranges(const Statement& s) const {
+    if (!is_place(s)) return {};
+    constexpr double kScale = 0.01;  // share of the typical range
+    TrilaterationOptions options;
+    options.scale_m = kScale * whole_.typical_range_m;
+    const Trilateration place =
+        trilaterate(ranges_to(now_.trajectories, now_.state(), BeaconId(s.index)), options);
+    return place.ok ? std::optional(place.p_map_m) : std::nullopt;
+  }
+
+  /// Returns true if an assumption that has one alternative, and thus no free parameter, explains most of the
+  /// misfit. That is no coincidence.
+  [[nodiscard]] bool is_explained_by(const Culprit& c) const {
+    return !c.error && has_alternative(c.statement) && c.fit.cost < kLeavesLess * now_.cost;
   }
 
   [[nodiscard]] Fit released(const Statement& s) const {
     Fit fit = now_;
     std::vector<Statement> loose = released_;
     loose.push_back(s);
-    fit.layout = stated_.layout_without(loose, now_.state(), fit.problem);
-    fit.x = fit.layout.vector_of(now_.state());
+    const SharedState start = stated_.with_alternative(s, now_.state());
+    fit.layout = stated_.layout_without(loose, start, fit.problem);
+    fit.x = fit.layout.vector_of(start);
     adjust_anew(options_, fit);
     return fit;
   }
@@ -318,6 +209,7 @@ class StatementTest {
 
   /// Difference between the site file and a fit in which the assumption is released.
   [[nodiscard]] Difference difference(const Statement& s, const Fit& fit) const {
+    if (has_alternative(s)) return difference_of_alternative(s, fit);
     const Eigen::MatrixXd C = honest_covariance(options_, fit);
     Difference d;
     if (s.what == What::kDistance) return distance_difference(s, fit, C);
@@ -339,6 +231,18 @@ class StatementTest {
                  : s.what == What::kOneDelay                          ? d.v.maxCoeff() - d.v.minCoeff()
                  : s.what == What::kDelays                            ? d.v.cwiseAbs().maxCoeff()
                                                                       : d.v.norm();
+    return d;
+  }
+
+  /// Gain in log-likelihood as a squared deviation. The length is the shift of the beacons.
+  [[nodiscard]] Difference difference_of_alternative(const Statement& s, const Fit& fit) const {
+    Difference d;
+    d.v = Eigen::VectorXd::Constant(
+        1, std::sqrt(std::max(0.0, 2 * (now_.cost - fit.cost) / noise_variance(fit, options_.threads))));
+    d.covariance = Eigen::MatrixXd::Identity(1, 1);
+    const SharedState before = now_.state(), after = stated_.with_alternative(s, before);
+    for (std::size_t b = 0; b < after.beacon_p_map_m.size(); ++b)
+      d.length_m = std::max(d.length_m, (after.beacon_p_map_m[b] - before.beacon_p_map_m[b]).norm());
     return d;
   }
 

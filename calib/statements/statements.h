@@ -36,6 +36,9 @@ struct StatementFindings {
 /// by a relevant length. The suspect whose release explains most is the culprit. It remains released and the
 /// search continues.
 ///
+/// Some assumptions have a single alternative instead of a free value: heights that count downwards, and two
+/// beacons at each other's positions, which is tried if one is found at the stated position of the other.
+///
 /// Errors that many observations have in common (common_errors.h: a clock that drifts or jumps, poses with a
 /// time lag, a medium that changes) are suspects too, so that one cause is preferred to several false
 /// assumptions. The observations are corrected for each error and adjusted again, and its size is refined. An

@@ -46,6 +46,30 @@ TEST(Places, HeightsOfTapedBeaconsThatCountDownwardsAreOneError) {
   EXPECT_THAT(found[0].found, HasSubstr("heights count downwards"));
 }
 
+// Control points were blamed one by one until the time for the search was over.
+TEST(Places, HeightsOfSurveyedBeaconsThatCountDownwardsComeFirst) {
+  Scenario s = taped_hall();
+  for (SiteBeacon& b : s.site.beacons) b.sigma_m = {0.0, 0.0, 0.0};
+  World world = must(simulate(s, 16));
+  for (SiteBeacon& b : world.site.beacons) b.position_m[2] = -*b.position_m[2];
+  const auto found = solution_of(world).contradictions;
+  ASSERT_FALSE(found.empty());
+  EXPECT_THAT(found[0].found, HasSubstr("heights count downwards"));
+}
+
+// The control point was found at the position of the taped beacon, and the taped beacon elsewhere.
+TEST(Places, AControlPointExchangedWithATapedBeaconIsNamed) {
+  World world = must(simulate(taped_hall(), 17));
+  world.site.beacons[2].sigma_m = {0.0, 0.0, 0.0};
+  for (std::size_t i = 0; i < 3; ++i)
+    world.site.beacons[2].position_m[i] = world.truth.beacons[2].position_m[static_cast<Eigen::Index>(i)];
+  std::swap(world.site.beacons[2].position_m, world.site.beacons[5].position_m);
+  const auto found = explained(world);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].kind, ContradictionKind::kExchanged);
+  EXPECT_EQ(found[0].subject, world.site.beacons[2].name + ", " + world.site.beacons[5].name);
+}
+
 // Delays of the beacons were blamed, because they absorb a part of a move.
 TEST(Places, ABeaconThatMovedIsNamedWithoutDelaysInTheSiteFile) {
   Scenario s = taped_hall();

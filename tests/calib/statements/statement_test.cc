@@ -126,6 +126,35 @@ TEST(LayoutWithout, AControlPointMayMoveFromWhereItWasStated) {
   }
 }
 
+TEST(StatedSite, ExchangesABeaconThatIsFoundAtThePositionOfAnotherOne) {
+  const Stated s(hall_site());
+  const auto place = [&](std::size_t b) { return s.state.beacon_p_map_m[b]; };
+  const Eigen::Vector3d near_m(0.3, -0.2, 0.0);
+  EXPECT_EQ(s.stated.exchange_of({What::kControlPoint, 6}, place(0) + near_m),
+            (Statement{What::kLabels, 0, 6}));
+  EXPECT_EQ(s.stated.exchange_of({What::kControlPoint, 6}, place(6) + near_m), std::nullopt);
+  EXPECT_EQ(s.stated.exchange_of({What::kSpeed}, place(0)), std::nullopt);
+}
+
+// Only the alternatives' own positions change. All other priors are kept.
+TEST(LayoutWithout, AlternativesChangePositionsAndReleaseNone) {
+  Site site = hall_site();
+  site.beacons[1].sigma_m = {0.1, 0.1, 0.1};
+  const Stated s(site);
+  for (const Statement& alternative : {Statement{What::kLabels, 0, 1}, Statement{What::kHeights}}) {
+    calib::Problem problem = s.problem;
+    const SharedState start = s.stated.with_alternative(alternative, s.state);
+    const calib::ParameterLayout layout = s.stated.layout_without({alternative}, start, problem);
+    EXPECT_EQ(layout.vector_of(start), layout.vector_of(prior_state(problem.site)));
+  }
+  calib::Problem problem = s.problem;
+  (void)s.stated.layout_without({{What::kLabels, 0, 1}}, s.state, problem);
+  for (const std::size_t b : {0U, 1U}) {
+    EXPECT_EQ(problem.site.beacons[b].position_m, s.problem.site.beacons[1 - b].position_m);
+    EXPECT_EQ(problem.site.beacons[b].sigma_m[0], 0.1) << "either line may be the one with the larger sigma";
+  }
+}
+
 TEST(LayoutWithout, APriorIsWidenedAndItsStatementKept) {
   const Stated s(hall_site());
   calib::Problem problem = s.problem;

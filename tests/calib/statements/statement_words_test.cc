@@ -86,17 +86,18 @@ TEST(StatementWords, OfAControlPointStandOnTheSideWhereItIsKnownToBe) {
 }
 
 TEST(StatementWords, OfExchangedControlPointsAreOne) {
-  Disbelieved d(hall_site(), {{What::kControlPoint, 0}, {What::kControlPoint, 6}});
-  const SharedState state = prior_state(d.problem.site);
-  d.found_at(0, state.beacon_p_map_m[6]);
-  d.found_at(6, state.beacon_p_map_m[0]);
+  const Disbelieved d(hall_site(), {{What::kLabels, 0, 6}});
   const Contradiction c = d.only();
   EXPECT_EQ(c.kind, ContradictionKind::kExchanged);
   EXPECT_EQ(c.subject, "B0, B6");
   EXPECT_EQ(c.found, "at each other's places");
+  EXPECT_EQ(c.sigmas, 12.0);
   EXPECT_THAT(c.remedy, HasSubstr("exchange the positions of control points B0 and B6"));
-  d.found_at(6, state.beacon_p_map_m[0] + Eigen::Vector3d(3, 0, 0));
-  EXPECT_EQ(d.words().size(), 2U) << "one at the other's place is not an exchange";
+}
+
+TEST(StatementWords, OfHeightsSayInWhichDirectionTheyCount) {
+  const Disbelieved d(hall_site(), {{What::kHeights}});
+  EXPECT_THAT(d.only().found, HasSubstr("heights count downwards"));
 }
 
 TEST(StatementWords, OfADelaySayItInMicrosecondsOrNanoseconds) {
