@@ -20,7 +20,6 @@ namespace octant::calib {
 namespace {
 
 constexpr std::size_t kTestedRows = 3'000;  ///< sample of a long log of stops for the test of whiteness
-constexpr std::size_t kMostRows = 40'000;
 /// Probability, for all sums together, from which residuals pass as white, and below which they do not. Real
 /// errors are hardly ever white, and a short log shows this only weakly. Ignored correlation makes sigmas
 /// several times too small, and correlation estimated from few residuals makes them several times too large.
@@ -104,6 +103,7 @@ class Estimator {
       }
     }
     out.covariance = (1 - weight) * sample_.L * sample_.L.transpose() + weight * covariance(out.freedoms);
+    if (sample_.pattern.size() > 0) out.pattern_variance = 1.0 - weight + weight * pattern_variance();
     return out;
   }
 
@@ -180,12 +180,32 @@ class Estimator {
     return out;
   }
 
+  /// One value for each row as the first of the draws.
+  static Lines in_lines(const Eigen::VectorXd& values) {
+    Lines lines(static_cast<std::size_t>(values.size()));
+    for (std::size_t i = 0; i < lines.size(); ++i)
+      lines[i].of[0] = static_cast<float>(values[static_cast<Eigen::Index>(i)]);
+    return lines;
+  }
+
   [[nodiscard]] Eigen::VectorXd sums_of_residuals() const {
     Scratch scratch;
-    scratch.lines.resize(sample_.rows.size());
-    for (std::size_t i = 0; i < scratch.lines.size(); ++i)
-      scratch.lines[i].of[0] = static_cast<float>(sample_.residual[static_cast<Eigen::Index>(i)]);
-    return components_.sums_of(scratch.lines, scratch.summing).col(0);
+    return components_.sums_of(in_lines(sample_.residual), scratch.summing).col(0);
+  }
+
+  /// With b = M p of a pattern p, its size b'r / b'b has the variance sum_l theta_l |Z_l'b|^2 / (b'b)^2.
+  [[nodiscard]] double pattern_variance() const {
+    Scratch scratch;
+    Lines pattern = in_lines(sample_.pattern);
+    draws_.adjust(pattern, {}, scratch.adjusting);
+    Eigen::RowVectorXd squares = Eigen::RowVectorXd::Zero(static_cast<Eigen::Index>(kDrawsAbreast));
+    add_squares(pattern.data(), pattern.size(), squares.data());
+    if (!(squares[0] > 0)) return 1.0;
+    const Eigen::RowVectorXd influence =
+        components_.sums_of(pattern, scratch.summing).col(0).transpose() / squares[0];
+    const double held = std::max(0.0, 1.0 - influence.head(components_.whites()).sum()),
+                 variance = held + influence.dot(theta_), nu = freedoms_of(influence, held);
+    return std::isfinite(nu) ? variance * nu / (nu - 2) : variance;
   }
 
   /// Mean sums of squares under each component of unit variance; components that residuals do not show are
@@ -252,6 +272,15 @@ class Estimator {
     return influence;
   }
 
+  /// Degrees of freedom of a variance, by its scatter.
+  /// @param influence  contribution of a unit of each component's variance  @param held  of all other errors
+  [[nodiscard]] double freedoms_of(const Eigen::RowVectorXd& influence, double held) const {
+    const Eigen::RowVectorXd variances = (influence * scatter_).array() + std::max(0.0, held);
+    const double mean = variances.mean(), spread = (variances.array() - mean).square().mean();
+    if (!(mean > 0) || !(spread > 0)) return INFINITY;
+    return std::max(kFewestFreedoms, 2 * mean * mean / spread);
+  }
+
   /// The sandwich, with the growth of each parameter's variance due to the uncertainty of theta.
   [[nodiscard]] Eigen::MatrixXd covariance(double& freedoms) const {
     const Eigen::Index rank = sample_.F.cols(), p = sample_.L.rows();
@@ -272,10 +301,8 @@ class Estimator {
     Eigen::VectorXd growth = Eigen::VectorXd::Ones(p);
     std::vector<double> behind;
     for (Eigen::Index i = 0; i < p; ++i) {
-      const Eigen::RowVectorXd variances = (influence.row(i) * scatter_).array() + std::max(0.0, held[i]);
-      const double mean = variances.mean(), spread = (variances.array() - mean).square().mean();
-      if (!(mean > 0) || !(spread > 0)) continue;
-      const double nu = std::max(kFewestFreedoms, 2 * mean * mean / spread);
+      const double nu = freedoms_of(influence.row(i), held[i]);
+      if (!std::isfinite(nu)) continue;
       growth[i] = std::sqrt(nu / (nu - 2));
       behind.push_back(nu);
     }

@@ -23,6 +23,8 @@ struct ErrorModel {
   std::vector<ErrorPart> parts;  ///< components with a variance
   double freedoms =
       INFINITY;  ///< median degrees of freedom of the parameters' variances, a measure of their accuracy
+  /// Variance of the size of the sample's pattern, estimated by least squares, relative to white noise.
+  double pattern_variance = 1.0;
   Eigen::MatrixXd
       covariance;  ///< covariance of the shared parameters with these errors, internal units; may be empty
 
@@ -68,5 +70,8 @@ struct ErrorSample;
 
 /// Error model of a sample.
 [[nodiscard]] ErrorModel error_model_of(const ErrorSample& sample, int threads = 1);
+
+/// Maximum number of rows of a sample for an error model.
+inline constexpr std::size_t kMostRows = 40'000;
 
 }  // namespace octant::calib

@@ -37,6 +37,7 @@ struct ErrorSample {
   };
   std::vector<Row> rows;
   Eigen::VectorXd residual;  ///< whitened
+  Eigen::VectorXd pattern;   ///< effect of a common error of size one on the residuals; may be empty
   ByRow F;                   ///< rows x rank: d theta = -L f' e
   Eigen::MatrixXd L;         ///< root of the white covariance
   double share = 1.0;        ///< fraction of all arrivals and bearings in the sample

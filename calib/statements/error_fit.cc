@@ -142,16 +142,20 @@ std::optional<ErrorFit> fit_without(const SolveOptions& options, const Fit& fit,
     adjust_anew(options, without);
     const double cost = best ? best->fit.cost : fit.cost;
     if (!without.ok || !(without.cost < cost)) break;
-    best = ErrorFit{error, std::move(without)};
+    best = ErrorFit{error, 1.0, std::move(without)};
     const bool is_jump = error.kind == CommonError::Kind::kJump;
     if (is_jump && sharpen(best->fit, options.rejection_sigmas, error)) continue;
     if (is_jump) best->error.time_s = error.time_s;
     const double least_sigmas = kWorthSizing * std::max(1.0, best->fit.noise_factor);
     if (is_jump || !add_what_is_left(errors_of(options, best->fit, least_sigmas), error)) break;
   }
-  if (best)
-    best->error.sigmas =
-        std::sqrt(2 * (fit.cost - best->fit.cost) / noise_variance(best->fit, options.threads));
+  if (!best) return {};
+  std::vector<Trajectory> with_error = best->fit.trajectories;
+  CommonError back = best->error;
+  back.size = -back.size;
+  take_back(back, best->fit.state(), with_error);
+  best->variance = variance_of_error(options, best->fit, with_error);
+  best->error.sigmas = std::sqrt(2 * (fit.cost - best->fit.cost) / best->variance);
   return best;
 }
 
@@ -165,10 +169,6 @@ double adjust_to_noise(const SolveOptions& options, Fit& fit) {
     adjust_anew(options, fit);
   }
   return factor;
-}
-
-double noise_variance(const Fit& fit, int threads) {
-  return std::max(1e-12, fit.noise_factor * fit.noise_factor) * variance_inflation(fit, threads);
 }
 
 }  // namespace octant::calib

@@ -16,7 +16,9 @@ namespace octant::calib {
 
 /// A fit to observations that were corrected for an error.
 struct ErrorFit {
-  CommonError error;  ///< with its adjusted size; sigmas: square root of twice the gain in log-likelihood
+  /// With its adjusted size; sigmas: square root of twice the gain in log-likelihood under the error model
+  CommonError error;
+  double variance = 1.0;  ///< ratio of a difference of costs to one of log-likelihoods (variance_of_error)
   Fit fit;
 };
 
@@ -29,9 +31,5 @@ struct ErrorFit {
 /// again. Echoes hidden by the larger noise are then rejected.
 /// @return ratio of the noise to that before
 double adjust_to_noise(const SolveOptions& options, Fit& fit);
-
-/// Variance of the arrivals of a fit in units of their sigmas, including the correlation within a pair. A
-/// difference of costs divided by this is a difference of log-likelihoods.
-[[nodiscard]] double noise_variance(const Fit& fit, int threads);
 
 }  // namespace octant::calib

@@ -143,7 +143,7 @@ Move move_of(const SolveOptions& options, const Fit& split, std::size_t b, doubl
   move.by_m = state.beacon_p_map_m[later] - state.beacon_p_map_m[b];
   move.time_s = time_s;
   move.cost = split.cost;
-  const Eigen::MatrixXd C = honest_covariance(options, split);
+  const Eigen::MatrixXd C = honest_covariance(options, split).matrix;
   Eigen::MatrixXd by = Eigen::MatrixXd::Zero(3, C.rows());
   for (std::size_t i = 0; i < 3; ++i) {
     const auto row = static_cast<Eigen::Index>(i);

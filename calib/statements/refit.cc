@@ -10,6 +10,8 @@
 #include "calib/adjust/information.h"
 #include "calib/adjust/priors.h"
 #include "calib/adjust/reject.h"
+#include "calib/errors/error_model.h"
+#include "calib/errors/error_sample.h"
 #include "calib/errors/statistics.h"
 #include "calib/errors/whiteness.h"
 #include "models/support/unit_diagonal.h"
@@ -64,6 +66,29 @@ bool reject_and_adjust_again(const SolveOptions& options, Fit& fit) {
   return true;
 }
 
+/// Factor on the variances of white noise by the correlation within pairs, instead of an error model.
+double variance_inflation(const Fit& fit, int threads) {
+  const Whiteness w = whiteness_of(fit.trajectories, fit.state(), threads);
+  return w.white ? 1.0 : std::max({1.0, w.sigma_factor * w.sigma_factor, w.pair_ratio});
+}
+
+/// Trajectories whose arrivals have the noise of a fit.
+std::vector<Trajectory> at_noise(const Fit& fit, std::vector<Trajectory> trajectories) {
+  for (Trajectory& t : trajectories)
+    for (ArrivalObservation& a : t.arrivals) a.sigma_s *= std::max(1e-6, fit.noise_factor);
+  return trajectories;
+}
+
+/// Covariance for the noise of a fit, without its correlation except for large sites.
+Covariance covariance_of(const SolveOptions& options, const Fit& fit) {
+  std::vector<Trajectory> trajectories = at_noise(fit, fit.trajectories);
+  const Information information =
+      information_at(fit.problem, fit.layout, trajectories, fit.x, {.threads = options.threads});
+  // The noise of the arrivals does not affect priors, so only the information of the data is reduced.
+  const double inflation = is_dense(fit.layout) ? 1.0 : variance_inflation(fit, options.threads);
+  return Covariance(inverse_of_information(information.data / inflation + information.prior));
+}
+
 }  // namespace
 
 Fit fit_of(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
@@ -92,11 +117,6 @@ void adjust_anew(const SolveOptions& options, Fit& fit) {
   if (reject_and_adjust_again(options, fit)) judge_fit(options, fit);
 }
 
-double variance_inflation(const Fit& fit, int threads) {
-  const Whiteness w = whiteness_of(fit.trajectories, fit.state(), threads);
-  return w.white ? 1.0 : std::max({1.0, w.sigma_factor * w.sigma_factor, w.pair_ratio});
-}
-
 Eigen::MatrixXd inverse_of_information(const Eigen::MatrixXd& information, double ridge) {
   UnitDiagonal<Eigen::MatrixXd> unit(information, 1e-12);
   unit.scaled.diagonal().array() += ridge;
@@ -105,14 +125,31 @@ Eigen::MatrixXd inverse_of_information(const Eigen::MatrixXd& information, doubl
          unit.inverse_scale.asDiagonal();
 }
 
-Eigen::MatrixXd honest_covariance(const SolveOptions& options, const Fit& fit) {
-  std::vector<Trajectory> trajectories = fit.trajectories;
-  const Information information =
-      information_at(fit.problem, fit.layout, trajectories, fit.x, {.threads = options.threads});
-  // The noise of the arrivals does not affect priors, so only the information of the data is reduced.
-  const double inflation = fit.noise_factor * fit.noise_factor * variance_inflation(fit, options.threads);
-  const Eigen::MatrixXd total = information.data / inflation + information.prior;
-  return inverse_of_information(total);
+HonestCovariance honest_covariance(const SolveOptions& options, const Fit& fit) {
+  const Covariance C = covariance_of(options, fit);
+  const ErrorModel errors = is_dense(fit.layout) ? error_model_of(fit.layout, at_noise(fit, fit.trajectories),
+                                                                  fit.state(), C, 1.0, options.threads)
+                                                 : ErrorModel{};
+  if (errors.correlated) return {errors.covariance, errors.freedoms};
+  return {*C.matrix()};
+}
+
+double noise_variance(const Fit& fit, int threads) {
+  return std::max(1e-12, fit.noise_factor * fit.noise_factor) * variance_inflation(fit, threads);
+}
+
+double variance_of_error(const SolveOptions& options, const Fit& fit,
+                         const std::vector<Trajectory>& with_error) {
+  if (!is_dense(fit.layout)) return noise_variance(fit, options.threads);
+  const SharedState state = fit.state();
+  const Covariance C = covariance_of(options, fit);
+  const auto sample_of = [&](const std::vector<Trajectory>& trajectories) {
+    return error_sample(fit.layout, at_noise(fit, trajectories), state, C, kMostRows);
+  };
+  ErrorSample sample = sample_of(fit.trajectories);
+  sample.pattern = sample_of(with_error).residual - sample.residual;
+  return std::max(1e-12, fit.noise_factor * fit.noise_factor) *
+         error_model_of(sample, options.threads).pattern_variance;
 }
 
 }  // namespace octant::calib

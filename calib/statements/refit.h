@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include <Eigen/Core>
@@ -25,7 +26,7 @@ struct Fit : Estimate {
 /// kMostArrivals arrivals is adjusted again.
 [[nodiscard]] Fit fit_of(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
                          const std::vector<Trajectory>& trajectories);
-inline constexpr std::size_t kMostArrivals = 60'000;
+inline constexpr std::size_t kMostArrivals = 20'000;
 
 /// Adjusts again, starting from `fit`: all arrivals admitted, Cauchy's loss from coarse to fine, then least
 /// squares of those that agree. The layout's size may differ from that of x.
@@ -37,10 +38,21 @@ void adjust_anew(const SolveOptions& options, Fit& fit);
 [[nodiscard]] Eigen::MatrixXd inverse_of_information(const Eigen::MatrixXd& information,
                                                      double ridge = 1e-12);
 
-/// Joint covariance of the parameters in internal units, for the noise and correlation that the residuals
-/// show. All tests of assumptions use it.
-[[nodiscard]] Eigen::MatrixXd honest_covariance(const SolveOptions& options, const Fit& fit);
-/// Factor on the variances of white noise that accounts for correlated errors within a pair.
-[[nodiscard]] double variance_inflation(const Fit& fit, int threads);
+/// Joint covariance of the parameters in internal units under the error model of the fit's residuals
+/// (error_model.h). All tests of assumptions use it.
+struct HonestCovariance {
+  Eigen::MatrixXd matrix;
+  double freedoms = INFINITY;  ///< degrees of freedom of its variances
+};
+[[nodiscard]] HonestCovariance honest_covariance(const SolveOptions& options, const Fit& fit);
+
+/// Variance of the arrivals of a fit in units of their sigmas, enlarged by the correlation within pairs.
+[[nodiscard]] double noise_variance(const Fit& fit, int threads);
+
+/// Variance of the size of an error under the error model of the fit's residuals, relative to white noise
+/// with the sigmas of the arrivals. A difference of costs divided by it is a difference of log-likelihoods.
+/// @param with_error  trajectories of the fit with the error
+[[nodiscard]] double variance_of_error(const SolveOptions& options, const Fit& fit,
+                                       const std::vector<Trajectory>& with_error);
 
 }  // namespace octant::calib

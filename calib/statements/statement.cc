@@ -119,7 +119,7 @@ class SuspectSearch {
   /// lambda' C^+ lambda as a normal deviate. Directions that the data do not determine do not count.
   static double released_sigmas(const Eigen::MatrixXd& C_lambda, const Eigen::VectorXd& lambda) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(C_lambda);
-    Difference d{Eigen::VectorXd::Zero(0), {}, 0.0};
+    Difference d;
     std::vector<double> parts;
     for (Eigen::Index i = 0; i < lambda.size(); ++i)
       if (eigen.eigenvalues()[i] > 1e-8 * eigen.eigenvalues().maxCoeff())
@@ -186,7 +186,10 @@ class SuspectSearch {
 
 }  // namespace
 
-double Difference::squares() const { return v.size() == 0 ? 0.0 : v.dot(covariance.ldlt().solve(v)); }
+double Difference::squares() const {
+  const double t2 = v.size() == 0 ? 0.0 : v.dot(covariance.ldlt().solve(v));
+  return std::isfinite(freedoms) ? freedoms * std::log1p(std::max(0.0, t2) / freedoms) : t2;
+}
 
 double Difference::sigmas() const {
   const double n = static_cast<double>(v.size()), s = squares();

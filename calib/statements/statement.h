@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <utility>
@@ -72,8 +73,10 @@ void turn_heights(Site& site);
 struct Difference {
   Eigen::VectorXd v;  ///< value of the fit minus value of the site file, internal units
   Eigen::MatrixXd covariance;
-  double length_m = 0.0;  ///< effect at the beacons or the robot
-  /// Squared difference, normalised by its covariance.
+  double length_m = 0.0;       ///< effect at the beacons or the robot
+  double freedoms = INFINITY;  ///< degrees of freedom of the covariance
+  /// Squared difference, normalised by its covariance. If few data determine the covariance, it is that with
+  /// the same likelihood ratio under a normal distribution (Student's t: nu ln(1 + t^2 / nu)).
   [[nodiscard]] double squares() const;
   /// Normal deviate with the chi-square probability of squares() (Wilson and Hilferty 1931, far in the tail).
   [[nodiscard]] double sigmas() const;
@@ -106,9 +109,8 @@ class StatedSite {
   [[nodiscard]] std::vector<Statement> all() const;
 
   /// Assumptions that distort everything else a little if they are wrong, so that single correct assumptions
-  /// are blamed: one delay for all beacons, their delays together, a fixed speed. They are not tested by
-  /// themselves, because real beacons differ by more than the noise. They are only alternatives to another
-  /// contradicted assumption.
+  /// are blamed: one delay for all beacons, their delays together, a fixed speed. They are only tested as
+  /// alternatives to a suspected assumption.
   [[nodiscard]] std::vector<Statement> common_causes() const;
 
   /// The most significant deviations of a fit (statements.h), and control points most of whose arrivals were

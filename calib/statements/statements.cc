@@ -37,6 +37,8 @@ constexpr double kErrorSigmas = 6.0;
 constexpr double kLeavesLess = 0.5;
 /// Share of the cost below which the most significant error leaves no misfit for other suspects.
 constexpr double kLeavesLittle = 0.1;
+/// Ratio of the residuals to the stated noise above which they are a misfit.
+constexpr double kMoreThanStated = 1.2;
 constexpr std::size_t kMostErrors = 4;
 /// Difference of log-likelihoods below which errors are equally likely.
 constexpr double kEquallyLikely = 5.0;
@@ -53,7 +55,8 @@ class StatementTest {
         options_(options),
         now_(fit_of(problem, options, estimate, trajectories)),
         stated_(problem, estimate.layout, now_.beacon_usable),
-        all_(stated_.all()) {}
+        all_(stated_.all()),
+        is_misfit_(estimate.noise_factor * now_.noise_factor > kMoreThanStated) {}
 
   StatementFindings run() {
     if (!now_.x.allFinite()) return {};
@@ -108,8 +111,9 @@ class StatementTest {
       consider(suspect.statement, best);
     }
     if (best && is_explained_by(*best)) return best;
-    // A wrong common delay or speed distorts everything, and a correct control point may be blamed for it.
-    if (best && !best->error)
+    // A wrong common delay or speed distorts everything: no single release explains it, or that of a correct
+    // control point does in part.
+    if (!suspects.empty() && !(best && best->error))
       for (const Statement& cause : stated_.common_causes())
         if (!is_released(cause, released_)) consider(cause, best, kPlainlyBetter);
     for (std::size_t i = 1; i < std::min(errors_.size(), kMostErrors); ++i) consider(errors_[i], best);
@@ -126,16 +130,16 @@ class StatementTest {
         without->error.length_m < kMatters * tolerance_m(whole_))
       return;
     if (best && best->error &&
-        std::abs(best->fit.cost - without->fit.cost) <
-            kEquallyLikely * noise_variance(without->fit, options_.threads)) {
+        std::abs(best->fit.cost - without->fit.cost) < kEquallyLikely * without->variance) {
       best->or_else = without->error;
     } else if (!best || without->fit.cost < best->fit.cost) {
       best = Culprit{{}, std::move(without->fit), without->error.sigmas, without->error, {}};
     }
   }
 
-  /// Reports an error: as a contradiction if it explains most of the misfit or is of a kind that is never
-  /// normal, otherwise as a warning. No site file states the pattern of receivers.
+  /// Reports an error: as a contradiction if it explains most of a misfit or is of a kind that is never
+  /// normal, otherwise as a warning. Residuals within the stated noise are no misfit, because a slow change
+  /// of the medium may be a part of that noise. No site file states the pattern of receivers.
   void say(const Culprit& c, StatementFindings& found) const {
     Contradiction what = contradiction_of(*c.error, site(), whole_.runs);
     if (c.or_else) what.found += ", or else " + contradiction_of(*c.or_else, site(), whole_.runs).found;
@@ -143,7 +147,7 @@ class StatementTest {
     const bool is_stated =
         is_of_odometry(*c.error) || kind == CommonError::Kind::kJump || kind == CommonError::Kind::kShift;
     if (kind != CommonError::Kind::kPattern &&
-        (c.fit.cost < kLeavesLess * now_.cost || (is_stated && !c.or_else))) {
+        ((is_misfit_ && c.fit.cost < kLeavesLess * now_.cost) || (is_stated && !c.or_else))) {
       found.contradictions.push_back(std::move(what));
     } else {
       found.warnings.push_back(octant::in_words(what) + "; " + what.remedy);
@@ -158,7 +162,7 @@ class StatementTest {
     if (!c.fit.ok) return;
     const Eigen::Vector3d found_m =
         is_place(s) ? c.fit.state().beacon_p_map_m[s.index] : Eigen::Vector3d::Zero();
-    if (c.fit.cost < (best ? best->fit.cost - less : now_.cost)) {
+    if (c.fit.cost < (best ? best->fit.cost : now_.cost) - less) {
       const Difference d = difference(s, c.fit);
       c.sigmas = d.sigmas();
       if (is_contradicted(d)) best = std::move(c);
@@ -210,9 +214,10 @@ class StatementTest {
   /// Difference between the site file and a fit in which the assumption is released.
   [[nodiscard]] Difference difference(const Statement& s, const Fit& fit) const {
     if (has_alternative(s)) return difference_of_alternative(s, fit);
-    const Eigen::MatrixXd C = honest_covariance(options_, fit);
+    const auto [C, freedoms] = honest_covariance(options_, fit);
+    if (s.what == What::kDistance) return distance_difference(s, fit, C, freedoms);
     Difference d;
-    if (s.what == What::kDistance) return distance_difference(s, fit, C);
+    d.freedoms = freedoms;
     std::vector<int> columns = columns_of(s, fit.layout);
     // Only the inclination of the paths determines the heights of receivers, which absorb errors that depend
     // on the angle. They do not affect fixes in the plane.
@@ -246,13 +251,14 @@ class StatementTest {
     return d;
   }
 
-  [[nodiscard]] Difference distance_difference(const Statement& s, const Fit& fit,
-                                               const Eigen::MatrixXd& C) const {
+  [[nodiscard]] Difference distance_difference(const Statement& s, const Fit& fit, const Eigen::MatrixXd& C,
+                                               double freedoms) const {
     const ControlDistance& taped = site().distances[s.index];
     const PriorRow row = distance_row(taped, fit.layout, fit.state());
     Eigen::VectorXd a = Eigen::VectorXd::Zero(C.rows());
     for (const auto& [column, value] : row.entries) a[column] += value;
     Difference d;
+    d.freedoms = freedoms;
     d.v = Eigen::VectorXd::Constant(1, taped.sigma_m * row.residual);
     d.covariance = Eigen::MatrixXd::Constant(1, 1, taped.sigma_m * taped.sigma_m * (a.dot(C * a) + 1.0));
     d.length_m = std::abs(d.v[0]);
@@ -274,6 +280,7 @@ class StatementTest {
   Fit now_;  ///< with all released assumptions
   StatedSite stated_;
   std::vector<Statement> all_, released_;
+  bool is_misfit_;                   ///< residuals of the original fit exceed the stated noise
   std::vector<CommonError> errors_;  ///< hypotheses from the residuals of the original fit
   double noise_ = 1.0;               ///< current noise of the arrivals relative to the original one
 };
