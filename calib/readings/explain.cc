@@ -147,10 +147,13 @@ void search(const Problem& problem, const Problem& adjusted, Solution& solution,
   const bool misread = seems_misread(adjusted, solution);
   if (!misread && solution.contradictions.empty() && !do_poses_tumble(problem.runs)) return;
   std::vector<Contradiction> found;
+  const bool was_cut_short = std::exchange(solution.diagnosis.is_cut_short, false);
   diagnose_within_budget(options, solution, 1.0, [&](const SolveOptions& limited) {
     found = misread ? find_misreadings(problem, solution, limited)
                     : find_other_culprits(problem, solution, limited);
   });
+  // What is found replaces the result of the steps before, so their end does not matter then.
+  if (found.empty()) solution.diagnosis.is_cut_short |= was_cut_short;
   if (!found.empty()) {
     solution.contradictions = std::move(found);
   } else if (solution.contradictions.empty()) {

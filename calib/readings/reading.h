@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <initializer_list>
 #include <optional>
 #include <string>
 
@@ -42,5 +43,12 @@ struct ReadingFamily {
 /// no step reduces the loss there is no such error, and the result has no value.
 [[nodiscard]] std::optional<double> likeliest_size(double least, double most, double loss_of_none,
                                                    const std::function<double(double)>& loss);
+
+/// All hypotheses of several lists, in their order.
+[[nodiscard]] inline std::vector<Reading> joined(std::initializer_list<std::vector<Reading>> lists) {
+  std::vector<Reading> all;
+  for (const std::vector<Reading>& list : lists) all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
 
 }  // namespace octant::calib

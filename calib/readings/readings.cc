@@ -36,7 +36,9 @@ constexpr double kTie = 0.05;
 /// explain it far better.
 constexpr LogShare kFirstShare = {16, 12, 600, 8}, kSecondShare = {40, 30, 1500, 16};
 constexpr double kWorthASecondTrial = 0.8;  ///< share of the loss without a hypothesis
+constexpr int kTrialIterations = 25;        ///< of each stage of a trial
 constexpr std::size_t kSecondTrials = 2;    ///< maximum number for each kind
+constexpr double kScaleAgrees = 0.5;        ///< share of arrivals that excludes a wrong scale of everything
 constexpr double kPlainSigmas = 8.0;        ///< significance of a gain without further requirements
 /// Sigmas of receivers and control points whose positions only the poses are to determine.
 constexpr double kLooseReceiver_m = 0.5, kLoosePoint_m = 1.0;
@@ -45,6 +47,8 @@ class Search {
  public:
   Search(const Problem& problem, const Solution& solution, const SolveOptions& options)
       : problem_(problem), solution_(solution), options_(options), site_(problem.site) {
+    // What explains the recordings converges as soon as a true site does.
+    options_.max_iterations = std::min(options.max_iterations, kTrialIterations);
     for (SiteVehicle& v : site_.vehicles)
       v.array.reset();  // an array that is adjusted as a whole has one order of receivers
   }
@@ -72,17 +76,15 @@ class Search {
     found_.clear();
     const std::vector<Reading> odometry = other_odometry(problem_.runs);
     try_out(odometry);
-    if (is_explained()) {
-      try_frames();  // mirrored receivers resemble turns of the wrong sign
-      return best();
-    }
+    if (is_explained()) try_frames();  // mirrored receivers resemble turns of the wrong sign
+    if (is_explained()) return best();
     const std::vector<ScoredReading> by_odometry = std::exchange(found_, {});
     // If the ranges alone show a jump, it is examined early, because other searches would be long and
     // useless. Before it come causes common to all arrivals, which explain all of them or none.
     try_out(common_delay(site_, problem_.typical_range_m));
     try_out(drifting_clocks(site_, problem_.runs, options_));
     if (stated_.agreeing < kScaleAgrees) try_out(points_elsewhere(site_));
-    std::erase_if(found_, [](const ScoredReading& t) { return !explains_all(t.score); });
+    std::erase_if(found_, [](const auto& t) { return !explains_all(t.score); });
     if (found_.empty() && jumps) try_out(jumped_clocks(site_, problem_.runs, options_));
     if (found_.empty()) try_clock_and_point_of_poses();
     if (found_.empty()) try_errors_of_odometry();
@@ -108,23 +110,15 @@ class Search {
     Contradiction what;
     ReadingScore score;
   };
-  static constexpr double kScaleAgrees =
-      0.5;  ///< share of agreeing arrivals that excludes a wrong scale of everything
-
-  /// Examines frames of the poses, of the receivers and of the map, and the wiring.
+  /// Frames and units of poses, wirings, and site frames, which resemble each other.
   void try_frames() {
-    std::vector<Reading> frames = other_pose_frames(problem_.runs);
-    for (Reading& reading : other_pose_units(problem_.runs)) frames.push_back(std::move(reading));
-    for (Reading& reading : other_wirings(site_, solution_)) frames.push_back(std::move(reading));
-    for (Reading& reading : other_site_frames(site_)) frames.push_back(std::move(reading));
-    try_out(frames);
+    try_out(joined({other_pose_frames(problem_.runs), other_pose_units(problem_.runs),
+                    other_wirings(site_, solution_, is_explained()), other_site_frames(site_)}));
   }
 
   /// Hypotheses that scale everything.
   [[nodiscard]] std::vector<Reading> scales() const {
-    std::vector<Reading> readings = other_units(site_, second_, false);
-    for (Reading& reading : other_ranging(site_)) readings.push_back(std::move(reading));
-    return readings;
+    return joined({other_units(site_, second_, false), other_ranging(site_)});
   }
 
   /// Loss of what is blamed already, which competes with all hypotheses by its likelihood, less what its free
@@ -161,7 +155,7 @@ class Search {
   }
 
   [[nodiscard]] bool is_explained() const {
-    return std::ranges::any_of(found_, [](const ScoredReading& t) { return explains_all(t.score); });
+    return std::ranges::any_of(found_, explains_all, &ScoredReading::score);
   }
 
   [[nodiscard]] bool is_blamed(ContradictionKind kind) const {
@@ -229,7 +223,7 @@ class Search {
     }
   }
 
-  /// Accepts the likeliest hypothesis of each family if it leaves no noise above the expected one.
+  /// Accepts the likeliest hypothesis of each family if it leaves the expected noise.
   void try_families(const std::vector<ReadingFamily>& families) {
     for (const ReadingFamily& family : families) {
       if (stopped()) return;

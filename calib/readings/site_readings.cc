@@ -213,16 +213,18 @@ std::vector<Reading> points_elsewhere(const Site& site) {
   return readings;
 }
 
-std::vector<Reading> other_wirings(const Site& site, const Solution& solution) {
+std::vector<Reading> other_wirings(const Site& site, const Solution& solution, bool whole_arrays) {
   std::vector<Reading> readings;
   const std::vector<bool> doubtful = doubtful_receivers(site, solution.trajectories);
   for (std::size_t v = 0; v < site.vehicles.size(); ++v)
-    for (const Wiring& wiring : wirings(site, VehicleId(v), doubtful))
+    for (const Wiring& wiring : wirings(site, VehicleId(v), doubtful)) {
+      if (whole_arrays && wiring.is_exchange()) continue;
       readings.push_back(
           {{ContradictionKind::kWiring, "of " + site.vehicles[v].name, "wired as in the site file",
             "that " + wiring.words, 0.0, "check the cables, or exchange the places in the site file"},
            [v, wiring](const Site& stated) { return rewired(stated, VehicleId(v), wiring); },
            {}});
+    }
   return readings;
 }
 

@@ -24,7 +24,9 @@ namespace octant::calib {
 /// explains the same without a free parameter. Empty if there are more than a few.
 [[nodiscard]] std::vector<Reading> exchanged_points(const Site& site);
 /// Hypotheses that receivers are exchanged, mirrored or rotated.
-[[nodiscard]] std::vector<Reading> other_wirings(const Site& site, const Solution& solution);
+/// @param whole_arrays  only those that move three or more receivers, as another convention would
+[[nodiscard]] std::vector<Reading> other_wirings(const Site& site, const Solution& solution,
+                                                 bool whole_arrays);
 /// Hypothesis that the heights of all beacons have the wrong sign (z downwards in the site file); empty
 /// without heights.
 [[nodiscard]] std::vector<Reading> heights_downwards(const Site& site);

@@ -125,6 +125,12 @@ class WiringList {
 
 }  // namespace
 
+bool Wiring::is_exchange() const {
+  std::size_t elsewhere = 0;
+  for (std::size_t i = 0; i < order.size(); ++i) elsewhere += order[i] != i;
+  return elsewhere == 2 && order.size() > 2;
+}
+
 std::vector<Wiring> wirings(const Site& site, VehicleId vehicle, const std::vector<bool>& doubtful) {
   WiringList list(site, vehicle);
   if (list.size() < 2) return {};

@@ -17,6 +17,9 @@ struct Wiring {
   /// indices within the vehicle.
   std::vector<std::size_t> order;
   std::string words;  ///< "receivers fl and fr of robot are exchanged"
+
+  /// Returns true if all but two of three or more receivers are where they are stated.
+  [[nodiscard]] bool is_exchange() const;
 };
 
 /// Wirings that occur in practice, likelier ones first: two receivers exchanged, left and right mirrored, all

@@ -8,8 +8,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "calib/readings/readings.h"
+#include "tests/calib/readings/cart.h"
+
 namespace octant::test {
-namespace {
+namespace odometry_readings_test {
 
 using ::testing::HasSubstr;
 
@@ -56,6 +59,23 @@ TEST(OtherOdometry, IsNoneWithoutOdometryOrInSpace) {
   EXPECT_TRUE(calib::other_odometry({log}).empty());
 }
 
+// The search has a limit of time, so what has no free parameter and costs one trial comes before scales and
+// lags, which cost dozens of trials each.
+TEST(OtherOdometry, IsExaminedBeforeScalesAndLags) {
+  World world = must(simulate(drive_scenario(60.0), 5));
+  for (OdometryStep& step : world.run.odometry) step.dheading_rad = -step.dheading_rad;
+  const calib::Problem problem = problem_of(world);
+  const calib::Solution solution = calib::solve(problem, {.diagnosis_s = 0.0});
+  constexpr int kMostIterations = 1500;
+  int iterations = 0;
+  calib::SolveOptions limited;
+  limited.on_progress = [&](const calib::Progress&) { return ++iterations < kMostIterations; };
+  const auto found = calib::find_misreadings(problem, solution, limited);
+  ASSERT_EQ(found.size(), 1U) << iterations;
+  EXPECT_THAT(found[0].found, HasSubstr("clockwise"));
+  EXPECT_LT(iterations, kMostIterations);
+}
+
 std::vector<MeasurementLog> driven() {
   std::vector<MeasurementLog> runs(1);
   runs[0].path = "run";
@@ -82,5 +102,5 @@ TEST(OdometryStampedLate, IsNoneWithoutOdometryOrInSpace) {
   EXPECT_TRUE(calib::odometry_stamped_late(runs).empty());
 }
 
-}  // namespace
+}  // namespace odometry_readings_test
 }  // namespace octant::test
