@@ -9,7 +9,7 @@
 #include "tests/apps/process.h"
 
 namespace octant::test {
-namespace {
+namespace batch_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -19,7 +19,7 @@ using ::testing::Not;
 class Batch : public ::testing::Test {
  protected:
   void SetUp() override {
-    spit(box / "scenario.yaml", hall_scenario("epochs: 150", "epochs: 40"));
+    spit(box / "scenario.yaml", hall_scenario_text("epochs: 150", "epochs: 40"));
     for (const char* seed : {"1", "2"})
       ASSERT_EQ(octant({"simulate", box / "scenario.yaml", "-o", box / (std::string("hall") + seed), "--seed",
                         seed})
@@ -148,5 +148,5 @@ TEST_F(Batch, AnInterruptionLeavesWholeFiles) {
   }
 }
 
-}  // namespace
+}  // namespace batch_test
 }  // namespace octant::test

@@ -9,7 +9,7 @@
 #include "tests/apps/hall_folder.h"
 
 namespace octant::test {
-namespace {
+namespace bounds_test {
 
 using ::testing::HasSubstr;
 
@@ -163,5 +163,5 @@ TEST_F(Bounds, PlansOfAbsurdSizes) {
   }
 }
 
-}  // namespace
+}  // namespace bounds_test
 }  // namespace octant::test

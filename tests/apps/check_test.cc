@@ -12,7 +12,7 @@
 #include "tests/apps/process.h"
 
 namespace octant::test {
-namespace {
+namespace check_test {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -22,7 +22,7 @@ class Check : public ::testing::Test {
  protected:
   void SetUp() override {
     const std::string fewer = std::regex_replace(
-        hall_scenario(), std::regex("epochs: [0-9]+, epoch_period_s"), "epochs: 40, epoch_period_s");
+        hall_scenario_text(), std::regex("epochs: [0-9]+, epoch_period_s"), "epochs: 40, epoch_period_s");
     spit(box / "scenario.yaml", fewer);
     ASSERT_EQ(octant({"simulate", box / "scenario.yaml", "-o", box / "hall"}).exit, 0);
   }
@@ -205,5 +205,5 @@ TEST_F(Check, BadInputAndWrongUsage) {
   EXPECT_EQ(octant({"check"}).exit, 2);
 }
 
-}  // namespace
+}  // namespace check_test
 }  // namespace octant::test

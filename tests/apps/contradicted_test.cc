@@ -9,7 +9,7 @@
 #include "tests/apps/hall_folder.h"
 
 namespace octant::test {
-namespace {
+namespace contradicted_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -99,5 +99,5 @@ TEST_F(Contradicted, ABatchWritesItWithAcceptAlone) {
   EXPECT_THAT(slurp(hall("batch.json")), HasSubstr("\"Contradicted\""));
 }
 
-}  // namespace
+}  // namespace contradicted_test
 }  // namespace octant::test

@@ -12,7 +12,7 @@
 #include "tests/apps/process.h"
 
 namespace octant::test {
-namespace {
+namespace convert_test {
 
 using ::testing::HasSubstr;
 
@@ -133,5 +133,5 @@ TEST(Convert, OfIgnoredBeaconsOnlyWhereThereAreSome) {
   EXPECT_THAT(octant(some).out, HasSubstr("2 arrivals, 1 of ignored beacons\n"));
 }
 
-}  // namespace
+}  // namespace convert_test
 }  // namespace octant::test

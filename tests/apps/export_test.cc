@@ -14,7 +14,7 @@
 #include "tests/apps/hall_folder.h"
 
 namespace octant::test {
-namespace {
+namespace export_test {
 
 using ::testing::HasSubstr;
 
@@ -114,5 +114,5 @@ TEST_F(Export, AKitsLogBecomesARun) {
   EXPECT_THAT(bag.err, HasSubstr("does not say of which beacon"));
 }
 
-}  // namespace
+}  // namespace export_test
 }  // namespace octant::test

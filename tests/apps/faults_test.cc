@@ -11,7 +11,7 @@
 #include "tests/apps/hall_folder.h"
 
 namespace octant::test {
-namespace {
+namespace faults_test {
 
 using ::testing::AnyOf;
 using ::testing::HasSubstr;
@@ -153,7 +153,7 @@ TEST_F(Faults, AClockThatRunsBackwardsIsNoMatter) {
 TEST_F(Faults, ALimitOfMemoryIsSaid) {
   // Memory limits from the need of the program's libraries to that of a calibration of this size: some
   // refusals, no crash.
-  make(hall_scenario("epochs: 150", "epochs: 3000"));
+  make(hall_scenario_text("epochs: 150", "epochs: 3000"));
   int refused = 0;
   for (rlim_t mb = 41; mb <= 131; mb += 3) {
     const Outcome outcome =
@@ -169,5 +169,5 @@ TEST_F(Faults, ALimitOfMemoryIsSaid) {
   EXPECT_GT(refused, 0);
 }
 
-}  // namespace
+}  // namespace faults_test
 }  // namespace octant::test

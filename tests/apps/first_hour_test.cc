@@ -12,7 +12,7 @@
 #include "tests/apps/hall_folder.h"
 
 namespace octant::test {
-namespace {
+namespace first_hour_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -344,5 +344,5 @@ TEST(Explain, KnowsTheWordsOfTheOutputs) {
   EXPECT_EQ(octant({"explain", "6", "--json"}).json()["term"], "exit 6");
 }
 
-}  // namespace
+}  // namespace first_hour_test
 }  // namespace octant::test

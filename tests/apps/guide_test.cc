@@ -14,7 +14,7 @@
 #include "tests/apps/process.h"
 
 namespace octant::test {
-namespace {
+namespace guide_test {
 
 namespace fs = std::filesystem;
 
@@ -192,5 +192,5 @@ TEST(GuidePages, LinksLeadSomewhere) {
   }
 }
 
-}  // namespace
+}  // namespace guide_test
 }  // namespace octant::test

@@ -17,7 +17,7 @@ namespace octant::test {
 class HallFolder : public ::testing::Test {
  protected:
   void SetUp() override { make(40); }
-  void make(int epochs) { make(hall_scenario("epochs: 150", "epochs: " + std::to_string(epochs))); }
+  void make(int epochs) { make(hall_scenario_text("epochs: 150", "epochs: " + std::to_string(epochs))); }
   void make(const std::string& scenario) {
     spit(box / "scenario.yaml", scenario);
     const Outcome made = octant({"simulate", box / "scenario.yaml", "-o", box / "hall"});

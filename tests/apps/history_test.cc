@@ -13,7 +13,7 @@
 #include "tests/apps/hall_folder.h"
 
 namespace octant::test {
-namespace {
+namespace history_test {
 
 using ::testing::HasSubstr;
 
@@ -290,5 +290,5 @@ TEST_F(HallFolder, ACalibrationThatIsTooOldSaysSo) {
   EXPECT_THAT(text.out, HasSubstr("recalibrate      by 2020-12-31 (12 months after the calibration"));
 }
 
-}  // namespace
+}  // namespace history_test
 }  // namespace octant::test

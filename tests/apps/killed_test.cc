@@ -14,7 +14,7 @@
 #include "tests/apps/hall_folder.h"
 
 namespace octant::test {
-namespace {
+namespace killed_test {
 
 namespace fs = std::filesystem;
 
@@ -117,5 +117,5 @@ class KilledCommands : public HallFolder {
 TEST_F(KilledCommands, LeaveFilesWholeAndNothingBehind) { kill_each(4); }
 TEST_F(KilledCommands, DISABLED_AThousandTimes) { kill_each(80); }
 
-}  // namespace
+}  // namespace killed_test
 }  // namespace octant::test

@@ -9,7 +9,7 @@
 #include "tests/apps/process.h"
 
 namespace octant::test {
-namespace {
+namespace methods_test {
 
 using ::testing::HasSubstr;
 
@@ -111,5 +111,5 @@ TEST_F(Methods, AMethodThatDoesNotFitSaysWhatItWants) {
   EXPECT_EQ(localize({"--method", "binaural"}).json()["no_fix"], 0);
 }
 
-}  // namespace
+}  // namespace methods_test
 }  // namespace octant::test

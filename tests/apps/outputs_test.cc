@@ -10,7 +10,7 @@
 #include "tests/apps/hall_folder.h"
 
 namespace octant::test {
-namespace {
+namespace outputs_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -152,5 +152,5 @@ TEST(Words, TheSchemaOfARunListsTheColumnsOfAllItsFiles) {
     EXPECT_THAT(schema, HasSubstr(column));
 }
 
-}  // namespace
+}  // namespace outputs_test
 }  // namespace octant::test

@@ -13,7 +13,7 @@
 #include "tests/apps/hall_folder.h"
 
 namespace octant::test {
-namespace {
+namespace overwriting_test {
 
 namespace fs = std::filesystem;
 
@@ -158,5 +158,5 @@ TEST_F(Overwriting, WhatKilledProcessesLeftGoesWithTheNextRun) {
   EXPECT_TRUE(fs::exists(other)) << "of another output, which its next run removes";
 }
 
-}  // namespace
+}  // namespace overwriting_test
 }  // namespace octant::test

@@ -14,7 +14,7 @@
 #include "tests/apps/process.h"
 
 namespace octant::test {
-namespace {
+namespace plan_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -24,7 +24,7 @@ class Plan : public ::testing::Test {
   /// The bundled hall with a floor, mounts and a range.
   void SetUp() override {
     const std::string fewer = std::regex_replace(
-        hall_scenario(), std::regex("epochs: [0-9]+, epoch_period_s"), "epochs: 30, epoch_period_s");
+        hall_scenario_text(), std::regex("epochs: [0-9]+, epoch_period_s"), "epochs: 30, epoch_period_s");
     spit(box / "scenario.yaml", fewer);
     ASSERT_EQ(octant({"simulate", box / "scenario.yaml", "-o", box / "hall"}).exit, 0);
     site = box / "site.yaml";
@@ -191,5 +191,5 @@ TEST_F(Plan, HelpSaysWhatIsPlanned) {
     EXPECT_THAT(help.out, HasSubstr(word));
 }
 
-}  // namespace
+}  // namespace plan_test
 }  // namespace octant::test

@@ -172,7 +172,7 @@ void spit(const std::string& path, const std::string& content) {
   if (!file.flush()) throw std::runtime_error("cannot write " + path);
 }
 
-std::string hall_scenario(const std::string& what, const std::string& by) {
+std::string hall_scenario_text(const std::string& what, const std::string& by) {
   std::string text = slurp(OCTANT_SOURCE_DIR "/datasets/hall/scenario.yaml");
   if (what.empty()) return text;
   const std::size_t at = text.find(what);

@@ -71,6 +71,6 @@ class TemporaryFolder {
 [[nodiscard]] std::string slurp(const std::string& path);
 void spit(const std::string& path, const std::string& content);
 /// The hall of the demo as text, with one replacement, so that tests can ask for other worlds.
-[[nodiscard]] std::string hall_scenario(const std::string& what = "", const std::string& by = "");
+[[nodiscard]] std::string hall_scenario_text(const std::string& what = "", const std::string& by = "");
 
 }  // namespace octant::test

@@ -12,7 +12,7 @@
 #include "tests/apps/process.h"
 
 namespace octant::test {
-namespace {
+namespace ranks_test {
 
 #ifdef OCTANT_MPI_BINARY
 
@@ -81,7 +81,7 @@ TEST(Ranks, FourGiveTheAnswerOfOne) {
 /// A log that is read in chunks: each rank reads its own.
 TEST(Ranks, ShareALogThatIsStreamed) {
   const TemporaryFolder folder;
-  spit(folder / "scenario.yaml", hall_scenario("epochs: 150", "epochs: 1500"));
+  spit(folder / "scenario.yaml", hall_scenario_text("epochs: 150", "epochs: 1500"));
   const std::string world = folder / "hall";
   ASSERT_EQ(octant({"simulate", folder / "scenario.yaml", "-o", world, "-q"}).exit, 0);
   std::vector<nlohmann::json> answers;
@@ -180,5 +180,5 @@ TEST(Ranks, NeedMpi) { GTEST_SKIP() << "MPI is not installed: the program under 
 
 #endif
 
-}  // namespace
+}  // namespace ranks_test
 }  // namespace octant::test

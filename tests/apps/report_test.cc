@@ -14,7 +14,7 @@
 #include "tests/apps/hall_folder.h"
 
 namespace octant::test {
-namespace {
+namespace report_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -171,5 +171,5 @@ TEST_F(Report, AFullDiskLeavesTheOldReportAlone) {
   EXPECT_THAT(outputs(), ElementsAre("d.json"));  // nor a deployment without its report
 }
 
-}  // namespace
+}  // namespace report_test
 }  // namespace octant::test

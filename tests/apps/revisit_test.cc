@@ -14,7 +14,7 @@
 #include "tests/apps/hall_folder.h"
 
 namespace octant::test {
-namespace {
+namespace revisit_test {
 
 using ::testing::HasSubstr;
 
@@ -216,5 +216,5 @@ class KilledRecalibrations : public SecondVisit {
 TEST_F(KilledRecalibrations, LeaveWholeFiles) { expect_whole_files_after(20); }
 TEST_F(KilledRecalibrations, DISABLED_TwoHundredLeaveWholeFiles) { expect_whole_files_after(200); }
 
-}  // namespace
+}  // namespace revisit_test
 }  // namespace octant::test

@@ -14,7 +14,7 @@
 #include "tests/apps/hall_folder.h"
 
 namespace octant::test {
-namespace {
+namespace road_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -197,7 +197,7 @@ TEST_F(Road, VerifyRefusesARunWithoutTruth) {
 }
 
 TEST_F(Road, ABrokenGateIsExit6) {
-  make(hall_scenario("fix_m: 0.05", "fix_m: 0.0001"));
+  make(hall_scenario_text("fix_m: 0.05", "fix_m: 0.0001"));
   const Outcome broken = octant({"verify", hall("deployment.true.json"), hall("heldout"), "--json"});
   EXPECT_EQ(broken.exit, 6) << broken.err;
   const auto object = broken.json();
@@ -251,7 +251,7 @@ TEST_F(Road, AnOutputThatCannotBeWrittenIsSaidBeforeTheWork) {
 
 TEST_F(Road, UndeterminedExportsNothing) {
   // Two epochs cannot carry five unknown beacons.
-  make(hall_scenario("epochs: 150", "epochs: 2"));
+  make(hall_scenario_text("epochs: 150", "epochs: 2"));
   const Outcome refused = calibrate({"--json"});
   EXPECT_EQ(refused.exit, 5) << refused.err;
   const auto object = refused.json();
@@ -263,7 +263,7 @@ TEST_F(Road, UndeterminedExportsNothing) {
 }
 
 TEST_F(Road, InterruptedLeavesNothingBehind) {
-  make(hall_scenario("epochs: 150", "epochs: 3000"));
+  make(hall_scenario_text("epochs: 150", "epochs: 3000"));
   for (const int signal : {SIGINT, SIGTERM}) {
     const Outcome stopped = octant({"calibrate", hall("site.yaml"), hall("run"), "-o", box / "out/d.json",
                                     "--json", "--progress", "json"},
@@ -312,5 +312,5 @@ TEST(Demo, KeepsItsPromise) {
     EXPECT_TRUE(std::filesystem::exists(path.get<std::string>())) << path;
 }
 
-}  // namespace
+}  // namespace road_test
 }  // namespace octant::test

@@ -16,7 +16,7 @@
 #include "tests/apps/source_shape.h"
 
 namespace octant::test {
-namespace {
+namespace rooms_test {
 
 const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"models", {"models"}},
@@ -94,6 +94,15 @@ TEST(Rooms, EverySourceNamesItsLicence) {
       }
     });
   }
+}
+
+TEST(Rooms, EachTestHasItsOwnNamespace) {
+  for_each_source("tests", [](const std::filesystem::path& file) {
+    const std::string name = file.stem().string(), text = slurp(file.string());
+    if (!name.ends_with("_test")) return;
+    EXPECT_NE(text.find("\nnamespace " + name + " {\n"), std::string::npos)
+        << file << ": several tests are compiled as one source, so its names are in namespace " << name;
+  });
 }
 
 /// Like apps/package/install_headers.cmake: headers that it does not install are private.
@@ -261,5 +270,5 @@ TEST(Rooms, EachHasAShortReadme) {
   }
 }
 
-}  // namespace
+}  // namespace rooms_test
 }  // namespace octant::test

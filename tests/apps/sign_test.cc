@@ -5,7 +5,7 @@
 #include "tests/apps/hall_folder.h"
 
 namespace octant::test {
-namespace {
+namespace sign_test {
 
 using ::testing::HasSubstr;
 
@@ -58,5 +58,5 @@ TEST_F(HallFolder, SignRefusesWhatItMust) {
   EXPECT_EQ(octant({"sign", out("d.json"), "--key", out("k"), "-o", out("k")}).exit, 2) << "over the key";
 }
 
-}  // namespace
+}  // namespace sign_test
 }  // namespace octant::test

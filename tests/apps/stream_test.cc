@@ -9,7 +9,7 @@
 #include "tests/apps/hall_folder.h"
 
 namespace octant::test {
-namespace {
+namespace stream_test {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -85,7 +85,7 @@ TEST_F(Stream, GivesTheAnswerOfTheWhole) {
 }
 
 TEST_F(Stream, DrivesGiveTheAnswerOfTheWhole) {
-  make(hall_scenario(
+  make(hall_scenario_text(
       "path: {kind: stops, epochs: 150, epoch_period_s: 5.0, slot_s: 0.05}\nheldout_path: {epochs: 40}",
       "path: {kind: drive, duration_s: 500}\nheldout_path: {duration_s: 5}"));
   Both both;
@@ -159,5 +159,5 @@ TEST_F(Stream, InterruptedLeavesNothingBehind) {
   }
 }
 
-}  // namespace
+}  // namespace stream_test
 }  // namespace octant::test

@@ -12,7 +12,7 @@
 #include "tests/apps/process.h"
 
 namespace octant::test {
-namespace {
+namespace survey_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -254,5 +254,5 @@ TEST(SurveyCommand, AMillionCellsTakeLittleMemory) {
   EXPECT_LT(survey.largest_mb, kLargeMb);
 }
 
-}  // namespace
+}  // namespace survey_test
 }  // namespace octant::test

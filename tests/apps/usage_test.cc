@@ -7,7 +7,7 @@
 #include "tests/apps/process.h"
 
 namespace octant::test {
-namespace {
+namespace usage_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -144,5 +144,5 @@ TEST(Usage, AFullDiskUnderStandardOutputIsNoSuccess) {
   EXPECT_EQ(octant({"--version", "--json"}, {.out_file = "/dev/full"}).exit, 3);
 }
 
-}  // namespace
+}  // namespace usage_test
 }  // namespace octant::test

@@ -14,7 +14,7 @@
 #include "tests/apps/hall_folder.h"
 
 namespace octant::test {
-namespace {
+namespace words_test {
 
 /// Terms that need no explanation, and names of axes.
 const std::set<std::string> kPlain = {"",
@@ -148,5 +148,5 @@ TEST_F(ExplainedWords, OfTheGuideAreExplained) {
   EXPECT_GT(words, 6U);
 }
 
-}  // namespace
+}  // namespace words_test
 }  // namespace octant::test

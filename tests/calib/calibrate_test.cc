@@ -13,7 +13,7 @@
 #include "tests/calib/readings/cart.h"
 
 namespace octant::test {
-namespace {
+namespace calibrate_test {
 
 using ::testing::ElementsAreArray;
 using ::testing::HasSubstr;
@@ -158,5 +158,5 @@ TEST(Calibrate, ContradictsNoiseThatNothingExplains) {
   EXPECT_THAT(calibration.solution.contradictions.front().found, HasSubstr("variance factor"));
 }
 
-}  // namespace
+}  // namespace calibrate_test
 }  // namespace octant::test

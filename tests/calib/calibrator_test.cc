@@ -12,7 +12,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace calibrator_test {
 
 /// An in-memory log that records the calls, and may offer another sample for the start.
 class WatchedLog : public calib::HeldLog {
@@ -145,5 +145,5 @@ TEST(Calibrator, ARefusalKeepsWarnings) {
   EXPECT_EQ(solution.warnings.front(), "of the problem");
 }
 
-}  // namespace
+}  // namespace calibrator_test
 }  // namespace octant::test

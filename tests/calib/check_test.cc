@@ -15,7 +15,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace check_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -389,5 +389,5 @@ TEST(ClockCheck, EchoesAreNoJumps) {
   }
 }
 
-}  // namespace
+}  // namespace check_test
 }  // namespace octant::test

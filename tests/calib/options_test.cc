@@ -14,7 +14,7 @@
 #include "tests/support/statistics.h"
 
 namespace octant::test {
-namespace {
+namespace options_test {
 
 Scenario drifting_hall() {
   Scenario s = hall_scenario();
@@ -310,5 +310,5 @@ TEST(Directivity, ServesTheFixes) {
   EXPECT_LT(nees, 1.15 * chi2_quantile(1 - 1e-4, dof));
 }
 
-}  // namespace
+}  // namespace options_test
 }  // namespace octant::test

@@ -19,7 +19,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace recordings_test {
 
 namespace fs = std::filesystem;
 using calib::SolveStatus;
@@ -248,5 +248,5 @@ TEST_F(Recordings, HyuStatic) {
   EXPECT_NEAR(solution.state.attenuation->absorption_np_per_m, -0.02790, 0.002);
 }
 
-}  // namespace
+}  // namespace recordings_test
 }  // namespace octant::test

@@ -10,7 +10,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace referee_test {
 
 void expect_same(const Scenario& scenario, std::uint64_t seed) {
   const World world = must(simulate(scenario, seed));
@@ -108,5 +108,5 @@ TEST(Referee, TapedDistances) {
   expect_same(s, 7);
 }
 
-}  // namespace
+}  // namespace referee_test
 }  // namespace octant::test

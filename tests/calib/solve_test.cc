@@ -13,7 +13,7 @@
 #include "tests/support/statistics.h"
 
 namespace octant::test {
-namespace {
+namespace solve_test {
 
 using calib::SolveStatus;
 using testing::Contains;
@@ -323,5 +323,5 @@ TEST(Solve, ThreadsDoNotChangeTheAnswer) {
     EXPECT_LT((one.state.beacon_p_map_m[b] - two.state.beacon_p_map_m[b]).norm(), 1e-9);
 }
 
-}  // namespace
+}  // namespace solve_test
 }  // namespace octant::test

@@ -22,7 +22,7 @@
 #include "tests/calib/thread_team.h"
 
 namespace octant::test {
-namespace {
+namespace sparse_site_test {
 
 using ::testing::HasSubstr;
 
@@ -269,5 +269,5 @@ TEST(SparseSite, BeaconsBeyondTheDenseLimitAreAsGoodAsTheirCovarianceSays) {
   EXPECT_THAT(solution.warnings, ::testing::Contains(HasSubstr("joint covariance")));
 }
 
-}  // namespace
+}  // namespace sparse_site_test
 }  // namespace octant::test

@@ -14,7 +14,7 @@
 #include "tests/calib/thread_team.h"
 
 namespace octant::test {
-namespace {
+namespace streamed_kinds_test {
 
 /// The run is a drive, the validation run has stops.
 World drive_and_stops(int seed, double duration_s, int epochs) {
@@ -201,5 +201,5 @@ TEST(StreamedLog, AllKindsOfRunsMayBeTogether) {
   expect_same_drive(world.site, {drive, stops, moments, chained});
 }
 
-}  // namespace
+}  // namespace streamed_kinds_test
 }  // namespace octant::test

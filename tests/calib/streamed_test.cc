@@ -15,7 +15,7 @@
 #include "tests/calib/stream/share_of_ranks.h"
 
 namespace octant::test {
-namespace {
+namespace streamed_test {
 
 constexpr std::size_t kTiny = 8U << 20U;  // some thousands of arrivals at a time
 
@@ -276,5 +276,5 @@ TEST(Streamed, RefusesWhatIsRefused) {
   EXPECT_NE(s.message.find("speed of sound"), std::string::npos) << s.message;
 }
 
-}  // namespace
+}  // namespace streamed_test
 }  // namespace octant::test

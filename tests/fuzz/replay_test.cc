@@ -18,7 +18,7 @@ namespace octant::fuzz {
 /// As ctest names it.
 void PrintTo(const Target& target, std::ostream* out) { *out << target.name; }
 
-namespace {
+namespace replay_test {
 
 namespace fs = std::filesystem;
 
@@ -96,5 +96,5 @@ TEST_P(Fuzzed, SoAreStrokesAtIt) {
 INSTANTIATE_TEST_SUITE_P(Readers, Fuzzed, ::testing::ValuesIn(targets()),
                          [](const auto& info) { return info.param.name; });
 
-}  // namespace
+}  // namespace replay_test
 }  // namespace octant::fuzz

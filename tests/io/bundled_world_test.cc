@@ -12,9 +12,9 @@
 #include "tests/support/worlds.h"
 
 namespace octant::io {
-namespace {
+namespace bundled_world_test {
 
-using test::must;
+using octant::test::must;
 
 const std::string kHall = std::string(OCTANT_SOURCE_DIR) + "/datasets/hall";
 
@@ -65,5 +65,5 @@ TEST_F(BundledWorld, Truth) {
   }
 }
 
-}  // namespace
+}  // namespace bundled_world_test
 }  // namespace octant::io

@@ -20,7 +20,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace history_postgres_test {
 
 using test::TemporaryFolder;
 
@@ -267,5 +267,5 @@ TEST_F(PostgresHistory, AServerThatDoesNotAnswerIsNamedWithoutItsPassword) {
   EXPECT_EQ(said.find("secret"), std::string::npos) << said;
 }
 
-}  // namespace
+}  // namespace history_postgres_test
 }  // namespace octant::io

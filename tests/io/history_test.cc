@@ -17,7 +17,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace history_test {
 
 using test::expect_error;
 using test::TemporaryFolder;
@@ -280,5 +280,5 @@ TEST(History, SaysThatItsFileWasRemovedMeanwhile) {
   expect_error(history->add({visit_on(1)}), 0, "removed", "h.db");
 }
 
-}  // namespace
+}  // namespace history_test
 }  // namespace octant::io

@@ -10,7 +10,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace kleeman_world_test {
 
 Scenario scenario() {
   const auto read = read_scenario(std::string(OCTANT_SOURCE_DIR) + "/datasets/kleeman/scenario.yaml");
@@ -109,5 +109,5 @@ TEST(KleemanWorld, InterpolatedHeadingIsWithinADegree) {
   EXPECT_LT(run.worst_place_m, 0.05);
 }
 
-}  // namespace
+}  // namespace kleeman_world_test
 }  // namespace octant::io

@@ -10,7 +10,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace ranging_worlds_test {
 
 World world(const std::string& file) {
   const auto scenario = read_scenario(std::string(OCTANT_SOURCE_DIR) + "/datasets/" + file);
@@ -91,5 +91,5 @@ TEST(RangingWorlds, GreenhouseArc) {
   EXPECT_LT(a.rmse_m, 0.00475);
 }
 
-}  // namespace
+}  // namespace ranging_worlds_test
 }  // namespace octant::io

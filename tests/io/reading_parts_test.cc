@@ -11,7 +11,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace reading_parts_test {
 
 using test::expect_error;
 using test::TemporaryFolder;
@@ -90,5 +90,5 @@ TEST(NameIndex, FindsEachNameAndNoOther) {
   EXPECT_EQ(NameIndex(alike).find("the first eight *** the last eight"), -1);
 }
 
-}  // namespace
+}  // namespace reading_parts_test
 }  // namespace octant::io

@@ -10,9 +10,9 @@
 #include "tests/support/worlds.h"
 
 namespace octant::io {
-namespace {
+namespace scenario_sensors_test {
 
-using test::must;
+using octant::test::must;
 
 TEST(ScenarioSensors, EveryKeyIsRead) {
   const std::string text = R"(octant_scenario: 1
@@ -57,5 +57,5 @@ TEST(ScenarioSensors, BundledWorldsAreSimulated) {
   }
 }
 
-}  // namespace
+}  // namespace scenario_sensors_test
 }  // namespace octant::io

@@ -11,7 +11,7 @@
 #include "models/changes/change_sigmas.h"
 
 namespace octant::test {
-namespace {
+namespace change_test {
 
 TEST(ChangeKind, IsFoundAgainByItsName) {
   std::set<std::string> names;
@@ -60,5 +60,5 @@ TEST(Drift, RatesOfTheSiteReplaceThoseOfTheMedium) {
   EXPECT_EQ(drift.receiver_m, drift_after(12.0, {}, 2.997e8).receiver_m);
 }
 
-}  // namespace
+}  // namespace change_test
 }  // namespace octant::test

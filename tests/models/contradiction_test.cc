@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::test {
-namespace {
+namespace contradiction_test {
 
 TEST(ContradictionKind, IsFoundAgainByItsName) {
   std::set<std::string> names;
@@ -40,5 +40,5 @@ TEST(ContradictionWords, AreASentenceWithItsSize) {
       << "an endless size says nothing";
 }
 
-}  // namespace
+}  // namespace contradiction_test
 }  // namespace octant::test

@@ -9,7 +9,7 @@
 #include "models/site.h"
 
 namespace octant {
-namespace {
+namespace parameter_test {
 
 /// Names with strokes, and receivers of two vehicles that share one.
 NameTable two_vehicles() {
@@ -103,5 +103,5 @@ TEST(ParameterIndex, TellsWhereEachStandsAndWhichDoNot) {
   EXPECT_EQ(at.beacon(1), (std::array<int, 4>{-1, -1, -1, -1}));
 }
 
-}  // namespace
+}  // namespace parameter_test
 }  // namespace octant

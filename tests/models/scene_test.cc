@@ -10,7 +10,7 @@
 #include "models/simulator/random.h"
 
 namespace octant::test {
-namespace {
+namespace scene_test {
 
 using Kind = BeamPattern::Kind;
 
@@ -76,5 +76,5 @@ RC_GTEST_PROP(BeamGain, IsANumberThatDoesNotRiseOffTheAxis, ()) {
   RC_ASSERT(beam_gain(p, -1.0 - 1e-15) >= 0.0);
 }
 
-}  // namespace
+}  // namespace scene_test
 }  // namespace octant::test

@@ -10,7 +10,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant {
-namespace {
+namespace synthetic_check_test {
 
 using test::hall_scenario;
 
@@ -69,5 +69,5 @@ INSTANTIATE_TEST_SUITE_P(
                       "speed_mps"}),
     [](const auto& param_info) { return std::string(param_info.param.name); });
 
-}  // namespace
+}  // namespace synthetic_check_test
 }  // namespace octant

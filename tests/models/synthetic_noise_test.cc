@@ -14,7 +14,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant {
-namespace {
+namespace synthetic_noise_test {
 
 using test::drive_scenario;
 using test::hall_scenario;
@@ -264,5 +264,5 @@ TEST(SyntheticNoise, PairsKeepTheirBias) {
   EXPECT_LT(std::abs(sum) / std::sqrt(static_cast<double>(bias.size())), 3.9);
 }
 
-}  // namespace
+}  // namespace synthetic_noise_test
 }  // namespace octant

@@ -7,7 +7,7 @@
 #include "models/support/utc_time.h"
 
 namespace octant {
-namespace {
+namespace validity_test {
 
 Deployment ten_by_five() {
   Deployment d;
@@ -121,5 +121,5 @@ TEST(Validity, ARecalibrationIsDueWhenABeaconMayHaveLeftTheTolerance) {
   EXPECT_FALSE(calibration_due(d)) << "in eight hundred years";
 }
 
-}  // namespace
+}  // namespace validity_test
 }  // namespace octant

@@ -15,7 +15,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace vocabulary_test {
 
 /// Two vehicles; the first has two receivers, the second one.
 NameTable two_robots() {
@@ -255,5 +255,5 @@ TEST(PlainFix, OfNoneLeavesThePlaceAsItWas) {
   EXPECT_EQ(row.arrivals_rejected, 2);
 }
 
-}  // namespace
+}  // namespace vocabulary_test
 }  // namespace octant::test

@@ -10,7 +10,7 @@
 #include "tests/survey/report_input.h"
 
 namespace octant::survey {
-namespace {
+namespace changes_test {
 
 TEST(Changes, ChanceIsUniformWhereNothingMoved) {
   std::mt19937 random(7);
@@ -148,5 +148,5 @@ TEST(Changes, AnotherSourceOfTheScaleIsNoOtherFrame) {
   EXPECT_TRUE(changes_between(before, now).same_datum);
 }
 
-}  // namespace
+}  // namespace changes_test
 }  // namespace octant::survey

@@ -11,7 +11,7 @@
 #include <Eigen/Cholesky>
 
 namespace octant::survey {
-namespace {
+namespace evaluate_test {
 
 Fix fix_at(double time_s, const Pose& pose) {
   Fix fix;
@@ -292,5 +292,5 @@ TEST(BeaconErrors, OnlyBeaconsThatWereSolvedFor) {
   EXPECT_NEAR(errors[0].error_m, 0.002, 1e-12);
 }
 
-}  // namespace
+}  // namespace evaluate_test
 }  // namespace octant::survey

@@ -20,7 +20,7 @@
 #include "tests/survey/calibration_errors.h"
 
 namespace octant::survey {
-namespace {
+namespace predicted_test {
 
 using test::add_covariance;
 using test::must;
@@ -376,5 +376,5 @@ TEST(Predicted, OneReceiver) {
   compare(truth, {}, grid_of_places(0.0), true, 15);
 }
 
-}  // namespace
+}  // namespace predicted_test
 }  // namespace octant::survey

@@ -14,7 +14,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::app {
-namespace {
+namespace interrupt_test {
 
 struct Ended {
   int code = -1;    ///< exit code; -1: by a signal
@@ -141,5 +141,5 @@ TEST(PoliteInterrupts, AHostWithoutAHandlerIsEndedAfterwards) {
             SIGINT);
 }
 
-}  // namespace
+}  // namespace interrupt_test
 }  // namespace octant::app

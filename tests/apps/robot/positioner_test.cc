@@ -15,7 +15,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace positioner_test {
 
 /// A deployment on disk, and its names.
 class Robot {
@@ -244,5 +244,5 @@ TEST(Positioner, MovesWithItsSink) {
   EXPECT_EQ(places, 1);
 }
 
-}  // namespace
+}  // namespace positioner_test
 }  // namespace octant::test

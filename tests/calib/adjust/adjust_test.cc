@@ -13,7 +13,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace adjust_test {
 
 struct Off {
   calib::Problem problem;
@@ -110,5 +110,5 @@ TEST(Adjust, OfADriveEndsWhereItsStatesRest) {
   EXPECT_GT(without_matrix, 0);
 }
 
-}  // namespace
+}  // namespace adjust_test
 }  // namespace octant::test

@@ -12,7 +12,7 @@
 #include "models/simulator/random.h"
 
 namespace octant::test {
-namespace {
+namespace covariance_test {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
@@ -199,5 +199,5 @@ TEST(Covariance, LargestDirectionsAreTheEigenvectors) {
   }
 }
 
-}  // namespace
+}  // namespace covariance_test
 }  // namespace octant::test

@@ -11,7 +11,7 @@
 #include "tests/calib/adjust/near_truth.h"
 
 namespace octant::test {
-namespace {
+namespace information_test {
 
 TEST(Information, OfDataIsThatOfTheTilesAndOfPriorsThatOfThese) {
   const NearTruth near(some_stops());
@@ -38,5 +38,5 @@ TEST(Information, SparseIsTheSumOfBoth) {
   }
 }
 
-}  // namespace
+}  // namespace information_test
 }  // namespace octant::test

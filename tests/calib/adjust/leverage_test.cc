@@ -11,7 +11,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace leverage_test {
 
 /// Some stops of a hall at poses of their own, every shared parameter with a prior of its own.
 struct Stops {
@@ -135,5 +135,5 @@ TEST(Leverage, LatenessIsThatOfTheDenseProjector) {
   }
 }
 
-}  // namespace
+}  // namespace leverage_test
 }  // namespace octant::test

@@ -13,7 +13,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace priors_test {
 
 /// The hall with three taped distances, one of them to a control point.
 calib::Problem taped_hall() {
@@ -177,5 +177,5 @@ TEST(Priors, ElementsAddUpToTheInformation) {
   EXPECT_LT((sum - rows).cwiseAbs().maxCoeff(), 1e-14 * rows.cwiseAbs().maxCoeff());
 }
 
-}  // namespace
+}  // namespace priors_test
 }  // namespace octant::test

@@ -15,7 +15,7 @@
 #include "tests/support/statistics.h"
 
 namespace octant::test {
-namespace {
+namespace reject_test {
 
 /// Magnitudes of a normal variable at evenly spread probabilities: a sample without chance.
 std::vector<double> normal_magnitudes(std::size_t count, double sigma) {
@@ -196,5 +196,5 @@ TEST(ReadmitAll, LeavesOutWhatCannotBeUsedAndWhatAGateMarked) {
   for (const std::size_t count : of_each) EXPECT_GT(count, 0U) << "the world has each case";
 }
 
-}  // namespace
+}  // namespace reject_test
 }  // namespace octant::test

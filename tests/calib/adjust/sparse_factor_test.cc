@@ -12,7 +12,7 @@
 #include "models/simulator/random.h"
 
 namespace octant::test {
-namespace {
+namespace sparse_factor_test {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
@@ -121,5 +121,5 @@ TEST(SparseFactor, OfASingularMatrixHasNoConditionToSpeakOf) {
   for (int i = 0; i < 30; ++i) EXPECT_NEAR(*held->inverse(i, i), i + 1.0, 1e-10);
 }
 
-}  // namespace
+}  // namespace sparse_factor_test
 }  // namespace octant::test

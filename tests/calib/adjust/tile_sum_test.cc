@@ -13,7 +13,7 @@
 #include "tests/calib/thread_team.h"
 
 namespace octant::test {
-namespace {
+namespace tile_sum_test {
 
 calib::ReducedSystem reduced(const NearTruth& near, const calib::Workers& workers) {
   std::vector<Trajectory> trajectories = near.trajectories;
@@ -99,5 +99,5 @@ TEST(TileSum, ARankKeepsTheStatesOfOthersUntilTheyAreShared) {
   });
 }
 
-}  // namespace
+}  // namespace tile_sum_test
 }  // namespace octant::test

@@ -13,7 +13,7 @@
 #include "models/simulator/random.h"
 
 namespace octant::test {
-namespace {
+namespace chain_kernel_test {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -185,5 +185,5 @@ TEST(ChainKernel, AStateWithoutAnyInformationIsHeldAndLeavesNumbers) {
   EXPECT_LT(off(laid, w, w.schur()), kRounding);
 }
 
-}  // namespace
+}  // namespace chain_kernel_test
 }  // namespace octant::test

@@ -19,7 +19,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace chain_reduction_test {
 
 struct Kind {
   const char* name;
@@ -293,5 +293,5 @@ INSTANTIATE_TEST_SUITE_P(
         Kind{.name = "spatial_offset", .motion = Motion::kSpatial, .cycle_offset = true}),
     [](const auto& kind) { return std::string(kind.param.name); });
 
-}  // namespace
+}  // namespace chain_reduction_test
 }  // namespace octant::test

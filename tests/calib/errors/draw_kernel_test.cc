@@ -9,7 +9,7 @@
 #include <Eigen/Dense>
 
 namespace octant::calib {
-namespace {
+namespace draw_kernel_test {
 
 using Matrix = Eigen::MatrixXd;
 
@@ -128,5 +128,5 @@ TEST(DrawKernel, CellsAndSquaresAddUp) {
                 matrix_of(values).col(k).squaredNorm() + (k == 2 ? 5.0 : 0.0), 1e-9);
 }
 
-}  // namespace
+}  // namespace draw_kernel_test
 }  // namespace octant::calib

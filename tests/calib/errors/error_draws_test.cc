@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::calib {
-namespace {
+namespace error_draws_test {
 
 TEST(DrawBits, AreNormal) {
   DrawBits random(3);
@@ -84,5 +84,5 @@ TEST(ProductOfRows, IsTheProduct) {
   EXPECT_EQ(product, (a.transpose() * b).cast<double>());
 }
 
-}  // namespace
+}  // namespace error_draws_test
 }  // namespace octant::calib

@@ -9,7 +9,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace error_model_test {
 
 using calib::Solution;
 
@@ -111,5 +111,5 @@ TEST(ErrorModel, StatedSigmasDoNotHangOnRounding) {
   }
 }
 
-}  // namespace
+}  // namespace error_model_test
 }  // namespace octant::test

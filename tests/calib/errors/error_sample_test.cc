@@ -13,7 +13,7 @@
 #include "tests/calib/internal_covariance.h"
 
 namespace octant::test {
-namespace {
+namespace error_sample_test {
 
 std::ptrdiff_t chains_of(const calib::ErrorSample& sample) {
   const auto& links = sample.chains.links;
@@ -49,5 +49,5 @@ TEST(ErrorSample, StretchesOfALongDriveLeaveWhatTheyShould) {
   EXPECT_NEAR(sample.residual.squaredNorm(), mean, 4.5 * sigma);
 }
 
-}  // namespace
+}  // namespace error_sample_test
 }  // namespace octant::test

@@ -7,7 +7,7 @@
 #include "models/simulator/random.h"
 
 namespace octant::test {
-namespace {
+namespace non_negative_test {
 
 TEST(NonNegative, LeastSquaresKeepTheirConditions) {
   Random random(5);
@@ -30,5 +30,5 @@ TEST(NonNegative, LeastSquaresKeepTheirConditions) {
   }
 }
 
-}  // namespace
+}  // namespace non_negative_test
 }  // namespace octant::test

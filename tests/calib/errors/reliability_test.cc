@@ -16,7 +16,7 @@
 #include "tests/support/statistics.h"
 
 namespace octant::test {
-namespace {
+namespace reliability_test {
 
 using calib::ArrivalReliability;
 using calib::Reliability;
@@ -366,5 +366,5 @@ TEST(ResidualGroups, EqualKeysStayTogether) {
   EXPECT_TRUE(calib::groups_by_quantity({}).empty());
 }
 
-}  // namespace
+}  // namespace reliability_test
 }  // namespace octant::test

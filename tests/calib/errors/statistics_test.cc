@@ -12,7 +12,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::calib {
-namespace {
+namespace statistics_test {
 
 constexpr double kRedundancy = 10'000.0;
 
@@ -197,5 +197,5 @@ TEST(AdjustAndScaleNoise, EndsAfterThreeAdjustmentsOrWithOneThatFails) {
   EXPECT_EQ(log.scaled, 1);
 }
 
-}  // namespace
+}  // namespace statistics_test
 }  // namespace octant::calib

@@ -8,7 +8,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace whiteness_test {
 
 TEST(Whiteness, SimulatedNoiseIsWhite) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -33,5 +33,5 @@ TEST(Whiteness, ABiasThatAPairKeepsIsSeenAndWarnedOf) {
   EXPECT_THAT(solution.warnings, testing::Contains(testing::HasSubstr("correlated")));
 }
 
-}  // namespace
+}  // namespace whiteness_test
 }  // namespace octant::test

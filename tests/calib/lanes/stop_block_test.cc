@@ -16,7 +16,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace stop_block_test {
 
 /// A measured pose without weight, which makes the kernel leave the epoch to the general method.
 void make_general(Trajectory& t) {
@@ -240,5 +240,5 @@ TEST(StopBlock, WhatItDoesNotKnowIsLeftAlone) {
   EXPECT_FALSE(calib::StopBlock::knows(sides.fast[0], sides.layout));
 }
 
-}  // namespace
+}  // namespace stop_block_test
 }  // namespace octant::test

@@ -10,7 +10,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace held_log_test {
 
 World hall(int epochs, std::uint64_t seed) {
   Scenario s = hall_scenario();
@@ -77,5 +77,5 @@ TEST(HeldLog, AdjustsTheArrivalsThatAgree) {
   EXPECT_EQ(used, found.statistics.arrivals);
 }
 
-}  // namespace
+}  // namespace held_log_test
 }  // namespace octant::test

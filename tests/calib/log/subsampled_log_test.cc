@@ -11,7 +11,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace subsampled_log_test {
 
 TEST(LogCounts, AreOfEachBeacon) {
   const World world = must(simulate(hall_scenario(), 1));
@@ -72,5 +72,5 @@ TEST(SubsampledLog, OfAllIsTheLog) {
   EXPECT_EQ(a.covariance.matrix, b.covariance.matrix);
 }
 
-}  // namespace
+}  // namespace subsampled_log_test
 }  // namespace octant::test

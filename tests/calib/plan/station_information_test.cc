@@ -12,7 +12,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace station_information_test {
 
 /// Four beacons known to 0.2 m, three receivers without axes, a delay of each beacon, one speed.
 Site small_site() {
@@ -108,5 +108,5 @@ TEST(StationInformation, NoRowsWhereThePoseIsNotTold) {
   EXPECT_EQ(rows.A.rows(), 0);
 }
 
-}  // namespace
+}  // namespace station_information_test
 }  // namespace octant::test

@@ -15,7 +15,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace stations_test {
 
 using calib::BeaconKnowledge;
 using calib::Knowledge;
@@ -339,5 +339,5 @@ TEST(Stations, FiveSuggestedStopsAgainstFiveRandomOnesInFiftyWorlds) {
   EXPECT_NEAR(median(faith), 1.0, 0.1);
 }
 
-}  // namespace
+}  // namespace stations_test
 }  // namespace octant::test

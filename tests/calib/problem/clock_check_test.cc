@@ -13,7 +13,7 @@
 #include "tests/calib/at_truth.h"
 
 namespace octant::test {
-namespace {
+namespace clock_check_test {
 
 constexpr double kJumpS = 4e-3;  // 1.4 m of sound
 
@@ -165,5 +165,5 @@ TEST(StepsAlongDrives, AreFoundToTheArrival) {
   EXPECT_TRUE(calib::steps_along_drives(at.trajectories, at.state, 0.3).empty()) << "172 mm are below that";
 }
 
-}  // namespace
+}  // namespace clock_check_test
 }  // namespace octant::test

@@ -10,7 +10,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace flips_test {
 
 using ::testing::HasSubstr;
 
@@ -30,5 +30,5 @@ TEST(Flips, EpochsThatWereTurnedAreNamed) {
   EXPECT_THAT(told[0], HasSubstr(": 3, 17"));
 }
 
-}  // namespace
+}  // namespace flips_test
 }  // namespace octant::test

@@ -9,7 +9,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace gates_test {
 
 std::size_t count(const std::vector<Trajectory>& trajectories, Rejection reason) {
   std::size_t n = 0;
@@ -88,5 +88,5 @@ TEST(Gates, ChangsRulesAreListedWithTheirReasons) {
   EXPECT_EQ(solution.statistics.rejected, 2U);
 }
 
-}  // namespace
+}  // namespace gates_test
 }  // namespace octant::test

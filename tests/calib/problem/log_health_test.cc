@@ -15,7 +15,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace log_health_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -247,5 +247,5 @@ TEST(CounterResolution, OfContinuousFewOrEqualValuesIsNone) {
   EXPECT_EQ(calib::counter_resolution_s({}), 0.0);
 }
 
-}  // namespace
+}  // namespace log_health_test
 }  // namespace octant::test

@@ -16,7 +16,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace parameters_test {
 
 /// A site with this number of runs on which every kind of parameter is free, except whole arrays.
 calib::Problem rich_problem(std::size_t runs = 2) {
@@ -308,5 +308,5 @@ RC_GTEST_PROP(JointPrior, SquaresAreTheMahalanobisDistance, ()) {
   RC_ASSERT((left - Eigen::MatrixXd::Identity(n, n)).cwiseAbs().maxCoeff() < 1e-9);
 }
 
-}  // namespace
+}  // namespace parameters_test
 }  // namespace octant::test

@@ -12,7 +12,7 @@
 #include "tests/support/numeric.h"
 
 namespace octant::test {
-namespace {
+namespace problem_test {
 
 using testing::HasSubstr;
 
@@ -117,5 +117,5 @@ TEST(MakeDeployment, CarriesTheSolution) {
   EXPECT_EQ(d.covariance.parameters.size(), static_cast<std::size_t>(d.covariance.matrix.rows()));
 }
 
-}  // namespace
+}  // namespace problem_test
 }  // namespace octant::test

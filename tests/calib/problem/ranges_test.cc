@@ -11,7 +11,7 @@
 #include "tests/calib/at_truth.h"
 
 namespace octant::test {
-namespace {
+namespace ranges_test {
 
 Scenario quiet(Scenario s) {
   s = without_noise(std::move(s));
@@ -199,5 +199,5 @@ TEST(PlaceAt, IsACellOfATwentiethOfTheRange) {
   EXPECT_EQ(calib::place_at({1.2, -0.7, 2.6}, range_m), (calib::Place{2.0, -2.0, 5.0}));
 }
 
-}  // namespace
+}  // namespace ranges_test
 }  // namespace octant::test

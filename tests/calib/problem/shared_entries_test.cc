@@ -12,7 +12,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace shared_entries_test {
 
 /// A stop in the hall; two vehicles, so that one has an array as a whole and one its receivers on their own.
 struct Stop {
@@ -116,5 +116,5 @@ TEST_P(SharedEntries, AReflectorThatIsSeenHasItsPlaceAlone) {
 INSTANTIATE_TEST_SUITE_P(AnArrayAsAWholeAndReceiversOnTheirOwn, SharedEntries, testing::Values(0, 1),
                          [](const auto& of) { return of.param == 0 ? "array" : "receivers"; });
 
-}  // namespace
+}  // namespace shared_entries_test
 }  // namespace octant::test

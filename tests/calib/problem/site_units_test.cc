@@ -8,7 +8,7 @@
 #include "tests/calib/readings/cart.h"
 
 namespace octant::test {
-namespace {
+namespace site_units_test {
 
 using ::testing::HasSubstr;
 
@@ -47,5 +47,5 @@ TEST(SiteUnits, OfAPlace) {
   EXPECT_FALSE(calib::unit_of_place({20.0, 5.0, 3.0}, found, 0.02));
 }
 
-}  // namespace
+}  // namespace site_units_test
 }  // namespace octant::test

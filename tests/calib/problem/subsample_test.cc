@@ -15,7 +15,7 @@
 #include "models/trajectory/odometry_noise.h"
 
 namespace octant::test {
-namespace {
+namespace subsample_test {
 
 RC_GTEST_PROP(EvenlyChosen, AreAsManyAsTheBudgetAndNowhereFarApart, ()) {
   const auto groups = static_cast<std::size_t>(*rc::gen::inRange(0, 500));
@@ -304,5 +304,5 @@ TEST(WithoutLists, KeepsAllElse) {
   EXPECT_EQ(few.truth_accuracy.position_sigma_m, 0.02);
 }
 
-}  // namespace
+}  // namespace subsample_test
 }  // namespace octant::test

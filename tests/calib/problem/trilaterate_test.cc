@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::calib {
-namespace {
+namespace trilaterate_test {
 
 /// Ranges from places spread as given to a beacon, with noise and some late by metres.
 std::vector<RangeFrom> ranges_to(const Eigen::Vector3d& beacon, const Eigen::Vector3d& spread, int count,
@@ -156,5 +156,5 @@ TEST(Trilaterate, TooFewRangesAreNoPlace) {
   EXPECT_FALSE(trilaterate(ranges_to({3, 4, 1}, {5, 5, 0}, 2, 0.0, 0.0, 5), {}).ok);
 }
 
-}  // namespace
+}  // namespace trilaterate_test
 }  // namespace octant::calib

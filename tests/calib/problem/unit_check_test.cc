@@ -12,7 +12,7 @@
 #include "tests/calib/at_truth.h"
 
 namespace octant::test {
-namespace {
+namespace unit_check_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -177,5 +177,5 @@ TEST(UnitCheck, MillimetresAreNamed) {
   EXPECT_THAT(found[0].text, HasSubstr("millimetres"));
 }
 
-}  // namespace
+}  // namespace unit_check_test
 }  // namespace octant::test

@@ -10,7 +10,7 @@
 #include "tests/calib/readings/cart.h"
 
 namespace octant::test {
-namespace {
+namespace clock_jumps_test {
 
 using calib::ClockStep;
 using calib::LogHalf;
@@ -102,5 +102,5 @@ TEST(ClockJumps, TakenBackLeaveTheTimesThatTheFirstClockWouldHaveSeen) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(run.arrivals[i].tof_s, tofs[i], 1e-15) << i;
 }
 
-}  // namespace
+}  // namespace clock_jumps_test
 }  // namespace octant::test

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::test {
-namespace {
+namespace error_readings_test {
 
 using ::testing::HasSubstr;
 
@@ -68,5 +68,5 @@ TEST(OdometryOfOtherScale, IsNoneWithoutOdometryOrInSpace) {
   EXPECT_TRUE(calib::odometry_of_other_scale(Site{}, runs).empty());
 }
 
-}  // namespace
+}  // namespace error_readings_test
 }  // namespace octant::test

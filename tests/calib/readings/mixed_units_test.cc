@@ -10,7 +10,7 @@
 #include "tests/calib/readings/cart.h"
 
 namespace octant::test {
-namespace {
+namespace mixed_units_test {
 
 using ::testing::Contains;
 using ::testing::IsEmpty;
@@ -57,5 +57,5 @@ TEST(MixedUnits, WithoutRangesNothingIsTold) {
   EXPECT_THAT(calib::beacons_in_unit_by_ranges(world.site, {world.run}, kFeet), IsEmpty());
 }
 
-}  // namespace
+}  // namespace mixed_units_test
 }  // namespace octant::test

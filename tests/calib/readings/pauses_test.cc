@@ -7,7 +7,7 @@
 #include "tests/calib/readings/cart.h"
 
 namespace octant::test {
-namespace {
+namespace pauses_test {
 
 TEST(Pauses, NumberStopsOnlyWhereThereAreSome) {
   World world = cart(20);
@@ -25,5 +25,5 @@ TEST(Pauses, NumberStopsOnlyWhereThereAreSome) {
   EXPECT_EQ(calib::number_stops(evenly.run), 0U);
 }
 
-}  // namespace
+}  // namespace pauses_test
 }  // namespace octant::test

@@ -11,7 +11,7 @@
 #include "tests/calib/readings/cart.h"
 
 namespace octant::test {
-namespace {
+namespace pose_readings_test {
 
 // For any reflection of a frame, distances stay, turns change their sign, and a second reflection restores
 // the original.
@@ -212,5 +212,5 @@ TEST(FrameOfPoses, IsRightWhereOneControlPointIsWrong) {
   EXPECT_EQ(found[0].kind, ContradictionKind::kControlPoint);
 }
 
-}  // namespace
+}  // namespace pose_readings_test
 }  // namespace octant::test

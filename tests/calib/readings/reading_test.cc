@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::test {
-namespace {
+namespace reading_test {
 
 TEST(LikeliestSize, IsFoundToAPartInAHundred) {
   for (const double size : {0.013, -0.031, 0.2, -0.7, 1.9}) {
@@ -33,5 +33,5 @@ TEST(LikeliestSize, IsNotRefinedWhereNoSizeExplainsMore) {
   EXPECT_LE(asked, 14);
 }
 
-}  // namespace
+}  // namespace reading_test
 }  // namespace octant::test

@@ -19,7 +19,7 @@
 #include "tests/calib/readings/cart.h"
 
 namespace octant::test {
-namespace {
+namespace readings_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -390,5 +390,5 @@ TEST(Explain, PutsTheCulpritInPlaceOfAMeasurementThatWouldNotHelp) {
   EXPECT_THAT(solution.weak, IsEmpty());
 }
 
-}  // namespace
+}  // namespace readings_test
 }  // namespace octant::test

@@ -12,7 +12,7 @@
 #include "tests/calib/readings/cart.h"
 
 namespace octant::test {
-namespace {
+namespace site_readings_test {
 
 Site hall_site() { return hall_scenario().site; }
 
@@ -148,5 +148,5 @@ TEST(SiteFrames, LeaveOutWhatMovesNoReceiverElsewhere) {
   EXPECT_TRUE(calib::other_site_frames(one).empty());
 }
 
-}  // namespace
+}  // namespace site_readings_test
 }  // namespace octant::test

@@ -10,7 +10,7 @@
 #include "tests/calib/readings/cart.h"
 
 namespace octant::test {
-namespace {
+namespace wiring_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -52,5 +52,5 @@ TEST(Wiring, OneReceiverHasNone) {
   EXPECT_THAT(calib::wirings(world.site, VehicleId(0)), IsEmpty());
 }
 
-}  // namespace
+}  // namespace wiring_test
 }  // namespace octant::test

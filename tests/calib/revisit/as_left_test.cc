@@ -13,7 +13,7 @@
 #include "tests/calib/revisit/calibrated_hall.h"
 
 namespace octant::test {
-namespace {
+namespace as_left_test {
 
 /// No change is accepted; this number of known parameters, and a visit with information `N`.
 calib::VisitInformation visit_of(const KnownParameters& known, double share, Random& draws) {
@@ -132,5 +132,5 @@ TEST(AsLeft, ABeaconThatTheVisitDoesNotTellIsLeftOutAndNamed) {
   EXPECT_NE(left.warnings[0].find("beacon B4 changed"), std::string::npos) << left.warnings[0];
 }
 
-}  // namespace
+}  // namespace as_left_test
 }  // namespace octant::test

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::test {
-namespace {
+namespace heard_test {
 
 /// Receivers at 0.4 m; one beacon above them, one below, one with a fixed height.
 Deployment three_beacons() {
@@ -32,5 +32,5 @@ TEST(Heard, BeaconsAreTurnedToTheSideOfTheReceiversThatIsKnown) {
   EXPECT_DOUBLE_EQ(x[2], -1.7);
 }
 
-}  // namespace
+}  // namespace heard_test
 }  // namespace octant::test

@@ -18,7 +18,7 @@
 #include "tests/calib/revisit/two_visits.h"
 
 namespace octant::calib {
-namespace {
+namespace revisit_test {
 
 TEST(Revisit, NothingChanged) {
   const Revisit found = revisited(two_visits([](Scenario&) {}));
@@ -365,5 +365,5 @@ TEST(Revisit, SigmasOfTheNewDeploymentHold) {
   EXPECT_LT(nees / static_cast<double>(count), 1.3);
 }
 
-}  // namespace
+}  // namespace revisit_test
 }  // namespace octant::calib

@@ -13,7 +13,7 @@
 #include "tests/calib/revisit/calibrated_hall.h"
 
 namespace octant::test {
-namespace {
+namespace revisited_site_test {
 
 calib::ParameterLayout layout_of(const Site& site) {
   calib::Problem problem;
@@ -133,5 +133,5 @@ TEST(SetJointPrior, IsTheCovarianceInTheLayoutsUnits) {
   EXPECT_NEAR(layout.joint_prior->residual(x).squaredNorm(), want, 1e-8 * want);  // some 1e4 of condition
 }
 
-}  // namespace
+}  // namespace revisited_site_test
 }  // namespace octant::test

@@ -9,7 +9,7 @@
 #include "models/simulator/random.h"
 
 namespace octant::calib {
-namespace {
+namespace visit_information_test {
 
 constexpr double kHalfWidth = 0.25;  ///< width of the transition, logarithm of the ratio of variances
 
@@ -63,5 +63,5 @@ TEST(BetweenErrorModels, UnitsDoNotMatter) {
             1e-12);
 }
 
-}  // namespace
+}  // namespace visit_information_test
 }  // namespace octant::calib

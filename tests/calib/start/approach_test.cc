@@ -9,7 +9,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace approach_test {
 
 using ::testing::HasSubstr;
 
@@ -146,5 +146,5 @@ TEST(Approach, AStopInSpaceOfOneReceiverHasAPosition) {
     }
 }
 
-}  // namespace
+}  // namespace approach_test
 }  // namespace octant::test

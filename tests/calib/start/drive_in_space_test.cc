@@ -6,7 +6,7 @@
 #include "tests/support/statistics.h"
 
 namespace octant::test {
-namespace {
+namespace drive_in_space_test {
 
 Scenario flight(double duration_s, double echoes) {
   Scenario s = drive_scenario(duration_s);
@@ -41,5 +41,5 @@ TEST(DriveInSpace, TellsThemAmongEchoes) {
   for (const std::uint64_t seed : {2, 4, 7, 8}) expect_honest(must(simulate(flight(150.0, 0.05), seed)));
 }
 
-}  // namespace
+}  // namespace drive_in_space_test
 }  // namespace octant::test

@@ -7,7 +7,7 @@
 #include <cmath>
 
 namespace octant::calib {
-namespace {
+namespace held_states_test {
 
 /// Two segments of four states along x; one has no position yet.
 Trajectory path(Motion motion, bool moving) {
@@ -96,5 +96,5 @@ TEST(HeldStates, HoldHeadingsOfStopsInThePlaneAlone) {
   const HeldStates nothing = HeldStates::headings(nullptr);
 }
 
-}  // namespace
+}  // namespace held_states_test
 }  // namespace octant::calib

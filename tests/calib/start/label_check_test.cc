@@ -7,7 +7,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace label_check_test {
 
 TEST(LabelCheck, AFarBeaconLosesItsPriorUnlessItIsTrusted) {
   const World world = must(simulate(hall_scenario(), 1));
@@ -34,5 +34,5 @@ TEST(LabelCheck, AFarBeaconLosesItsPriorUnlessItIsTrusted) {
   EXPECT_EQ(prior_sigma(trusting), prior_sigma(layout));
 }
 
-}  // namespace
+}  // namespace label_check_test
 }  // namespace octant::test

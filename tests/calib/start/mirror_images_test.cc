@@ -14,7 +14,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace mirror_images_test {
 
 using calib::SolveStatus;
 using testing::Contains;
@@ -381,5 +381,5 @@ TEST(Headings, ThatNothingHearsAreNotTurned) {
     EXPECT_THAT(warning, Not(HasSubstr("faced the wrong way")));
 }
 
-}  // namespace
+}  // namespace mirror_images_test
 }  // namespace octant::test

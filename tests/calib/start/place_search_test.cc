@@ -10,7 +10,7 @@
 #include "models/simulator/random.h"
 
 namespace octant::test {
-namespace {
+namespace place_search_test {
 
 using calib::PlaceAndDelay;
 using calib::PlacePrior;
@@ -102,5 +102,5 @@ TEST(PlaceOfLargestConsensus, IsNoneOfThreeRanges) {
                                                  kRejectionSigmas));
 }
 
-}  // namespace
+}  // namespace place_search_test
 }  // namespace octant::test

@@ -8,7 +8,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace refusals_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -64,5 +64,5 @@ TEST(Refusals, TooFewAtOnceAreSaidToBeSo) {
               AllOf(HasSubstr("hardly anywhere are three beacons"), Not(HasSubstr("in one line"))));
 }
 
-}  // namespace
+}  // namespace refusals_test
 }  // namespace octant::test

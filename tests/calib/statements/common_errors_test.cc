@@ -12,7 +12,7 @@
 #include "tests/calib/statements/adjusted.h"
 
 namespace octant::test {
-namespace {
+namespace common_errors_test {
 
 using ::testing::AnyOf;
 using ::testing::Contains;
@@ -258,5 +258,5 @@ TEST(CommonErrors, RadioHasNoWeather) {
       std::ranges::none_of(calib::common_errors(radio, solution.state, adjusted.parameters()), is_of_speed));
 }
 
-}  // namespace
+}  // namespace common_errors_test
 }  // namespace octant::test

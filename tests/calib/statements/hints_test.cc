@@ -8,7 +8,7 @@
 #include "tests/calib/readings/cart.h"
 
 namespace octant::test {
-namespace {
+namespace hints_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -38,5 +38,5 @@ TEST(Hints, OfALongLogAreThoseOfAShortOne) {
   EXPECT_EQ(found[0].kind, "two_way");
 }
 
-}  // namespace
+}  // namespace hints_test
 }  // namespace octant::test

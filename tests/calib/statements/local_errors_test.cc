@@ -14,7 +14,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace local_errors_test {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -115,5 +115,5 @@ TEST(LocalErrors, ThatVarySlowlyContradictNothing) {
           << "seed " << seed << ", " << sigma_s;
 }
 
-}  // namespace
+}  // namespace local_errors_test
 }  // namespace octant::test

@@ -7,7 +7,7 @@
 #include "tests/calib/readings/cart.h"
 
 namespace octant::test {
-namespace {
+namespace places_test {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -94,5 +94,5 @@ TEST(Places, ABeaconThatMovedIsNamedWithoutDelaysInTheSiteFile) {
   EXPECT_THAT(found[0].found, HasSubstr("to move by 12"));
 }
 
-}  // namespace
+}  // namespace places_test
 }  // namespace octant::test

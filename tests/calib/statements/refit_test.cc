@@ -11,7 +11,7 @@
 #include "models/simulator/random.h"
 
 namespace octant::test {
-namespace {
+namespace refit_test {
 
 RC_GTEST_PROP(InverseOfInformation, IsTheInverseInAnyUnits, ()) {
   Random draws(static_cast<std::uint64_t>(*rc::gen::arbitrary<std::uint32_t>()));
@@ -42,5 +42,5 @@ TEST(InverseOfInformation, OfNothingIsEmpty) {
   EXPECT_EQ(calib::inverse_of_information(Eigen::MatrixXd(0, 0)).size(), 0);
 }
 
-}  // namespace
+}  // namespace refit_test
 }  // namespace octant::test

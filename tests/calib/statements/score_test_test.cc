@@ -11,7 +11,7 @@
 #include "tests/calib/statements/adjusted.h"
 
 namespace octant::test {
-namespace {
+namespace score_test_test {
 
 /// Errors: a step in all times of flight from a time on; a part of each time of flight until then; and a part
 /// of all, which the speed of sound and the size of the map absorb.
@@ -156,5 +156,5 @@ TEST(ScoreTests, OfNothingAreZero) {
   EXPECT_EQ(test.of_error(1, {none, {}}).size[0], 0.0);
 }
 
-}  // namespace
+}  // namespace score_test_test
 }  // namespace octant::test

@@ -10,7 +10,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace statement_test {
 
 using calib::Statement;
 using calib::What;
@@ -224,5 +224,5 @@ TEST(LayoutWithout, DelaysThatAreReleasedBeginWhereTheyWereHeld) {
   }
 }
 
-}  // namespace
+}  // namespace statement_test
 }  // namespace octant::test

@@ -12,7 +12,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace statement_words_test {
 
 using calib::Statement;
 using calib::What;
@@ -235,5 +235,5 @@ TEST(StatementWords, OfAnAttenuationAreInItsOwnUnits) {
   EXPECT_THAT(c.subject, HasSubstr("rise_time_s"));
 }
 
-}  // namespace
+}  // namespace statement_words_test
 }  // namespace octant::test

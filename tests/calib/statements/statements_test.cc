@@ -12,7 +12,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace statements_test {
 
 using calib::SolveStatus;
 using testing::AnyOf;
@@ -395,5 +395,5 @@ TEST(Agreement, AStopOfTwoWayRangingDuringWhichTheVehicleMovedIsNamed) {
   expect_a_moved_stop_to_be_named(Ranging::kTwoWay);
 }
 
-}  // namespace
+}  // namespace statements_test
 }  // namespace octant::test

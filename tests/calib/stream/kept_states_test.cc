@@ -11,7 +11,7 @@
 #include "models/simulator/random.h"
 
 namespace octant::test {
-namespace {
+namespace kept_states_test {
 
 Node any_node(Motion motion, Random& draws) {
   Node node;
@@ -132,5 +132,5 @@ RC_GTEST_PROP(NodeBuffer, TakesWhatWasPut, ()) {
   RC_ASSERT(back.velocity == node.velocity);
 }
 
-}  // namespace
+}  // namespace kept_states_test
 }  // namespace octant::test

@@ -9,7 +9,7 @@
 #include "tests/calib/stream/one_residual.h"
 
 namespace octant::test {
-namespace {
+namespace log_readings_test {
 
 // Results of several passes add up; a mark that depends on solving the states is for a single one.
 TEST(JoinedReadings, AddUp) {
@@ -35,5 +35,5 @@ TEST(JoinedReadings, AcceptTogether) {
   EXPECT_EQ(readings[0]->accepted + readings[1]->accepted, 2);
 }
 
-}  // namespace
+}  // namespace log_readings_test
 }  // namespace octant::test

@@ -13,7 +13,7 @@
 #include "tests/support/statistics.h"
 
 namespace octant::test {
-namespace {
+namespace long_log_test {
 
 Scenario long_hall(int epochs) {
   Scenario s = hall_scenario();
@@ -203,5 +203,5 @@ TEST(LongDrive, ReliabilityOfSomeStretchesIsThatOfAll) {
     ASSERT_NEAR(a.redundancy, redundancy[a.arrival], 1e-3) << a.arrival;
 }
 
-}  // namespace
+}  // namespace long_log_test
 }  // namespace octant::test

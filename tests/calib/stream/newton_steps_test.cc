@@ -9,7 +9,7 @@
 #include "tests/calib/stream/one_residual.h"
 
 namespace octant::test {
-namespace {
+namespace newton_steps_test {
 
 calib::PassSum steps(OneResidual& readings, calib::Estimate& estimate,
                      std::optional<calib::PassSum> first = {}) {
@@ -75,5 +75,5 @@ TEST(NewtonSteps, StopWhereTheyAreAskedTo) {
   EXPECT_EQ(line.passes, 0);
 }
 
-}  // namespace
+}  // namespace newton_steps_test
 }  // namespace octant::test

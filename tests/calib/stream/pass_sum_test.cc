@@ -10,7 +10,7 @@
 #include <rapidcheck/gtest.h>
 
 namespace octant::test {
-namespace {
+namespace pass_sum_test {
 
 RC_GTEST_PROP(OrderedParts, AreTakenInTheirOrderWhicheverIsReadyFirst, ()) {
   const auto count = static_cast<std::size_t>(*rc::gen::inRange(1, 30));
@@ -61,5 +61,5 @@ TEST(PassCounts, GoThroughTheirNumbersAndAddUp) {
   for (std::size_t i = 0; i < numbers.size(); ++i) EXPECT_EQ(numbers_of(twice)[i], 2 * numbers[i]);
 }
 
-}  // namespace
+}  // namespace pass_sum_test
 }  // namespace octant::test

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::test {
-namespace {
+namespace quadratic_sum_test {
 
 /// Three parameters: the first two are coupled, and so are the last two.
 calib::SystemParts two_parts() {
@@ -54,5 +54,5 @@ TEST(QuadraticSum, IsAskedForByItsParts) {
   EXPECT_LT((here[1].system.gradient - g - H * d).norm(), 1e-14);
 }
 
-}  // namespace
+}  // namespace quadratic_sum_test
 }  // namespace octant::test

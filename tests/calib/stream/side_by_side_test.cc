@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::test {
-namespace {
+namespace side_by_side_test {
 
 const calib::SolveOptions kNobodyListens;
 
@@ -94,5 +94,5 @@ TEST(SideBySide, OfNoPartsAWishToStopCountsToo) {
   EXPECT_EQ(done.error().code, Errc::kInterrupted);
 }
 
-}  // namespace
+}  // namespace side_by_side_test
 }  // namespace octant::test

@@ -12,7 +12,7 @@
 #include "tests/calib/at_truth.h"
 
 namespace octant::test {
-namespace {
+namespace trajectory_buffer_test {
 
 RC_GTEST_PROP(Tape, ReadsWhatWasWritten, (std::vector<std::int64_t> integers, std::vector<double> numbers)) {
   std::vector<double> buffer;
@@ -201,5 +201,5 @@ TEST(TrajectoryTape, OfADriveInSpace) {
   expect_read_as_written(AtTruth(s, 1));
 }
 
-}  // namespace
+}  // namespace trajectory_buffer_test
 }  // namespace octant::test

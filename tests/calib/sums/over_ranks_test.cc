@@ -11,7 +11,7 @@
 #include "tests/calib/thread_team.h"
 
 namespace octant::test {
-namespace {
+namespace over_ranks_test {
 
 RC_GTEST_PROP(PartsOf, RanksCoverAllPartsAndNoneTwice, ()) {
   const int ranks = *rc::gen::inRange(1, 9);
@@ -89,5 +89,5 @@ TEST(SumOverRanks, SystemsOfOtherColumnsAddUp) {
   }
 }
 
-}  // namespace
+}  // namespace over_ranks_test
 }  // namespace octant::test

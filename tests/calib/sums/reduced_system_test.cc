@@ -11,7 +11,7 @@
 #include <Eigen/Dense>
 
 namespace octant::test {
-namespace {
+namespace reduced_system_test {
 
 constexpr int kParameters = 400;
 
@@ -83,5 +83,5 @@ TEST(SystemParts, OfAllColumnsAreOne) {
   EXPECT_EQ(twice.whole(kParameters).H, sum.whole(kParameters).H);
 }
 
-}  // namespace
+}  // namespace reduced_system_test
 }  // namespace octant::test

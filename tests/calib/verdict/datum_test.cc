@@ -13,7 +13,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace datum_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -199,5 +199,5 @@ TEST(FreeDatum, OfNoFreeBeaconIsNone) {
   EXPECT_EQ(calib::free_datum(net.problem, nothing, net.state, Eigen::MatrixXd(0, 0)).cols(), 0);
 }
 
-}  // namespace
+}  // namespace datum_test
 }  // namespace octant::test

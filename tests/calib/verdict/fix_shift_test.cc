@@ -8,7 +8,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace fix_shift_test {
 
 using calib::SolveStatus;
 using testing::Contains;
@@ -74,5 +74,5 @@ TEST(FixShift, AReceiverThatEveryFixFeelsRefuses) {
   EXPECT_THAT(solution.message, HasSubstr("receiver r0"));
 }
 
-}  // namespace
+}  // namespace fix_shift_test
 }  // namespace octant::test

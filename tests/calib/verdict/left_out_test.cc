@@ -12,7 +12,7 @@
 #include "tests/calib/at_truth.h"
 
 namespace octant::test {
-namespace {
+namespace left_out_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -172,5 +172,5 @@ TEST(BearingsInDoubt, NameTheBeaconMostOfWhoseLabelledBearingsDoNotFit) {
   EXPECT_THAT(words[0], HasSubstr("beacon B1: 6 of 10 bearings do not fit its position"));
 }
 
-}  // namespace
+}  // namespace left_out_test
 }  // namespace octant::test

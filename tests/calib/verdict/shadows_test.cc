@@ -15,7 +15,7 @@
 #include "tests/calib/statements/adjusted.h"
 
 namespace octant::test {
-namespace {
+namespace shadows_test {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -134,5 +134,5 @@ TEST(Shadows, AreNotToldOfASubsampledLog) {
   EXPECT_GE(of_the_part, 2) << "there is nothing to be told";
 }
 
-}  // namespace
+}  // namespace shadows_test
 }  // namespace octant::test

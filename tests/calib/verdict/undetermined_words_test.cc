@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::test {
-namespace {
+namespace undetermined_words_test {
 
 using calib::UndeterminedBeacon;
 using ::testing::ElementsAre;
@@ -86,5 +86,5 @@ TEST(UndeterminedBeacons, OfNoneNothingIsSaid) {
   EXPECT_THAT(calib::warnings_of({}, 0.03), IsEmpty());
 }
 
-}  // namespace
+}  // namespace undetermined_words_test
 }  // namespace octant::test

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::calib {
-namespace {
+namespace validity_test {
 
 /// Stops every metre along a hall, beacons every four metres on its wall; those within a given range are
 /// received.
@@ -91,5 +91,5 @@ TEST(Reach, OfADriveThatHearsOneBeaconAtATime) {
   }
 }
 
-}  // namespace
+}  // namespace validity_test
 }  // namespace octant::calib

@@ -8,7 +8,7 @@
 #include "tests/calib/calib_support.h"
 
 namespace octant::test {
-namespace {
+namespace weak_directions_test {
 
 using testing::Contains;
 using testing::HasSubstr;
@@ -62,5 +62,5 @@ TEST(WeakDirections, ShiftAtTheRobotIsThatOfAMovedMap) {
   EXPECT_NEAR(calib::shift_at_robot_m(layout, x, y, solution.trajectories), 0.01, 1e-6);
 }
 
-}  // namespace
+}  // namespace weak_directions_test
 }  // namespace octant::test

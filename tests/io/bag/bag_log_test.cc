@@ -12,7 +12,7 @@
 #include "tests/io/bag/bag_support.h"
 
 namespace octant::io::test {
-namespace {
+namespace bag_log_test {
 
 using ::testing::HasSubstr;
 
@@ -268,5 +268,5 @@ TEST(BagLog, ADatabaseThatIsNoneOfRosIsRefused) {
   EXPECT_FALSE(read_bag_log(box.write("d.db3", torn), topics(kTopics)));
 }
 
-}  // namespace
+}  // namespace bag_log_test
 }  // namespace octant::io::test

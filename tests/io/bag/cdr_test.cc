@@ -9,7 +9,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace cdr_test {
 
 using Field =
     std::variant<std::uint8_t, std::int16_t, std::uint32_t, std::int64_t, float, double, std::string>;
@@ -157,5 +157,5 @@ TEST(Cdr, ATextEndsAtItsNul) {
   EXPECT_TRUE(empty.ok());
 }
 
-}  // namespace
+}  // namespace cdr_test
 }  // namespace octant::io

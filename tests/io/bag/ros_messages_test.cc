@@ -10,7 +10,7 @@
 #include "tests/io/bag/bag_support.h"
 
 namespace octant::io {
-namespace {
+namespace ros_messages_test {
 
 using testing::HasSubstr;
 
@@ -174,5 +174,5 @@ TEST(RosDefinitions, HoldAllTheyStandOn) {
   EXPECT_FALSE(is_pose_type(kRosRange));
 }
 
-}  // namespace
+}  // namespace ros_messages_test
 }  // namespace octant::io

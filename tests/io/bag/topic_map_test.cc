@@ -5,7 +5,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io::test {
-namespace {
+namespace topic_map_test {
 
 TEST(TopicMap, WhatIsWrittenReadsBack) {
   const auto mapping = topics_from_words(
@@ -51,5 +51,5 @@ TEST(TopicMap, FaultsAreNamed) {
   expect_error(read_topics(box.write("c.yaml", "octant_topics: 1\ntime: never\n")), 2, "never");
 }
 
-}  // namespace
+}  // namespace topic_map_test
 }  // namespace octant::io::test

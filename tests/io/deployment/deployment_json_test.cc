@@ -9,7 +9,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace deployment_json_test {
 
 using test::expect_error;
 using Json = nlohmann::ordered_json;
@@ -350,5 +350,5 @@ TEST(DeploymentJson, ReadsBackWhatItWrote) {
   }));
 }
 
-}  // namespace
+}  // namespace deployment_json_test
 }  // namespace octant::io

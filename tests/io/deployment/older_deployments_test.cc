@@ -9,7 +9,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace older_deployments_test {
 
 std::vector<std::filesystem::path> older_deployments() {
   std::vector<std::filesystem::path> files;
@@ -54,5 +54,5 @@ TEST(OlderDeployments, AreWrittenAgainWithTheSameNumbers) {
   }
 }
 
-}  // namespace
+}  // namespace older_deployments_test
 }  // namespace octant::io

@@ -11,7 +11,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace signature_test {
 
 using test::expect_error;
 using test::TemporaryFolder;
@@ -112,5 +112,5 @@ TEST(SignatureKeys, AreTheStandards) {
             "d75a980182b10ab7d54bfed3c964073a0ee172f3daa62325af021a68f707511a");
 }
 
-}  // namespace
+}  // namespace signature_test
 }  // namespace octant::io

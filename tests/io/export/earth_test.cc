@@ -5,7 +5,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io::test {
-namespace {
+namespace earth_test {
 
 TEST(Earth, PlacesKeepTheirDistances) {
   // Back to earth-centred coordinates by the textbook's forward formula: distances are those of the map.
@@ -37,5 +37,5 @@ TEST(Earth, PlacesKeepTheirDistances) {
   EXPECT_TRUE(origin_from_words("-33.9,151.2,20", 90));
 }
 
-}  // namespace
+}  // namespace earth_test
 }  // namespace octant::io::test

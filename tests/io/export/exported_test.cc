@@ -10,7 +10,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io::test {
-namespace {
+namespace exported_test {
 
 NameTable some_names() {
   NameTable names;
@@ -192,5 +192,5 @@ TEST(Exported, GeoJsonIsLongitudeFirst) {
   EXPECT_EQ(json["features"][3]["geometry"]["type"], "LineString");
 }
 
-}  // namespace
+}  // namespace exported_test
 }  // namespace octant::io::test

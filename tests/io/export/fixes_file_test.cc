@@ -7,7 +7,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace fixes_file_test {
 
 using test::expect_error;
 using test::TemporaryFolder;
@@ -112,5 +112,5 @@ TEST(FixesFile, ATrajectoryIsToldByItsHead) {
   expect_error(read_fixes(folder.path("none")), 0, "No such file", "none");
 }
 
-}  // namespace
+}  // namespace fixes_file_test
 }  // namespace octant::io

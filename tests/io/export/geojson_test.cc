@@ -9,7 +9,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace geojson_test {
 
 using nlohmann::json;
 
@@ -134,5 +134,5 @@ TEST(GeoJson, NamesAreTextWhateverTheyAre) {
   EXPECT_EQ(all["octant"]["origin"]["north_rad"], 0.7);
 }
 
-}  // namespace
+}  // namespace geojson_test
 }  // namespace octant::io

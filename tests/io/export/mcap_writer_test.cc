@@ -11,7 +11,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace mcap_writer_test {
 
 std::uint64_t number(const std::string& text, std::size_t at, std::size_t bytes) {
   std::uint64_t value = 0;
@@ -237,5 +237,5 @@ TEST(McapWriter, ReadsBackMessageByMessage) {
   EXPECT_EQ(metadata, (std::map<std::string, std::string>{{"a", "1"}, {"b", "2"}}));
 }
 
-}  // namespace
+}  // namespace mcap_writer_test
 }  // namespace octant::io

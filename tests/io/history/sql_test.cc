@@ -7,7 +7,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace sql_test {
 
 using test::expect_error;
 using test::TemporaryFolder;
@@ -162,9 +162,9 @@ TEST(Sql, ConnectionStringsAreNoPaths) {
     EXPECT_FALSE(is_connection_string(path)) << path;
 }
 
-}  // namespace
+}  // namespace sql_test
 
-namespace {
+namespace sql_test {
 
 using test::expect_error;
 using test::TemporaryFolder;
@@ -247,6 +247,6 @@ TEST(Migrations, TheTablesKeepWhatBelongsTogether) {
       << "beacons are of a visit";
 }
 
-}  // namespace
+}  // namespace sql_test
 
 }  // namespace octant::io

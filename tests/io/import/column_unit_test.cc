@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::io {
-namespace {
+namespace column_unit_test {
 
 using ::testing::HasSubstr;
 
@@ -64,5 +64,5 @@ TEST(ColumnUnit, UnknownUnitsAndUnitsOfOtherQuantitiesAreErrors) {
   EXPECT_THAT(found("range (cm)", "tof_s"), HasSubstr("is in 'cm'"));
 }
 
-}  // namespace
+}  // namespace column_unit_test
 }  // namespace octant::io

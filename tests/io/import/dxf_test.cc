@@ -9,7 +9,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace dxf_test {
 
 using test::expect_error;
 using testing::HasSubstr;
@@ -200,5 +200,5 @@ TEST(Dxf, FaultsAreNamedByTheirLine) {
   expect_error(drawing_from_dxf(head + "8\n\xFF\n", "a"), 8, "byte 0xFF");
 }
 
-}  // namespace
+}  // namespace dxf_test
 }  // namespace octant::io

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::test {
-namespace {
+namespace foreign_logs_test {
 
 using ::testing::HasSubstr;
 
@@ -117,5 +117,5 @@ TEST(PulseLog, RefusesWhatIsNoPulse) {
         << row;
 }
 
-}  // namespace
+}  // namespace foreign_logs_test
 }  // namespace octant::test

@@ -9,7 +9,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::io {
-namespace {
+namespace imported_log_test {
 
 using octant::test::must;
 using test::expect_error;
@@ -141,5 +141,5 @@ TEST(ImportedLog, PosesAreInOrderOneAnInstantTheFirst) {
   EXPECT_NE(content_of(files, "run/truth.tum"), "none");
 }
 
-}  // namespace
+}  // namespace imported_log_test
 }  // namespace octant::io

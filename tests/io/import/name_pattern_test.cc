@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::io {
-namespace {
+namespace name_pattern_test {
 
 TEST(NamePattern, PatternsNameBeaconsAndReceivers) {
   const auto names = [](const char* pattern, const char* text) {
@@ -25,5 +25,5 @@ TEST(NamePattern, PatternsNameBeaconsAndReceivers) {
   EXPECT_EQ(names("********x", std::string(200, 'a').c_str()), "no");
 }
 
-}  // namespace
+}  // namespace name_pattern_test
 }  // namespace octant::io

@@ -10,7 +10,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace png_test {
 
 std::uint32_t number_at(const std::string& text, std::size_t at) {
   std::uint32_t value = 0;
@@ -100,5 +100,5 @@ TEST(Png, PixelsThatAreNoneAreRefused) {
   EXPECT_FALSE(png_of({}, 0, 0));
 }
 
-}  // namespace
+}  // namespace png_test
 }  // namespace octant::io

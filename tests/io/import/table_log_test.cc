@@ -10,7 +10,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace table_log_test {
 
 struct Case {
   const char *name, *words, *table, *csv;
@@ -187,5 +187,5 @@ TEST(TableLog, TheColumnsOfATableAreNamedWithTheWayToReadThem) {
   EXPECT_EQ(advice_for_table(box.path("words.txt")), "");
 }
 
-}  // namespace
+}  // namespace table_log_test
 }  // namespace octant::io

@@ -5,7 +5,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io::test {
-namespace {
+namespace vendor_logs_test {
 
 using ::testing::HasSubstr;
 
@@ -102,5 +102,5 @@ TEST(VendorLogs, WhatADwm1001Says) {
   expect_error(read_dwm1001_log(box.write("o.log", "dwm> lep\nPOS,1,2,3,90\n")), 0, "no line that a DWM1001");
 }
 
-}  // namespace
+}  // namespace vendor_logs_test
 }  // namespace octant::io::test

@@ -12,7 +12,7 @@
 #include "io/live/live_fixes.h"
 
 namespace octant::io {
-namespace {
+namespace live_rows_test {
 
 NameTable two_vehicles() {
   NameTable names;
@@ -224,5 +224,5 @@ TEST(LiveFixes, NmeaIsOnTheEarth) {
   EXPECT_EQ(fix_as_nmea(Fix{}, {}), "$GPGGA,000000.00,,,,,0,00,,,M,,M,,*48\r\n");
 }
 
-}  // namespace
+}  // namespace live_rows_test
 }  // namespace octant::io

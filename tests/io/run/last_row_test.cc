@@ -9,7 +9,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace last_row_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -127,5 +127,5 @@ TEST(LastRow, IsLeftOutOfARun) {
   EXPECT_EQ(stream->log().warnings, log->warnings);
 }
 
-}  // namespace
+}  // namespace last_row_test
 }  // namespace octant::io

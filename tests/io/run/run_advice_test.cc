@@ -6,7 +6,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace run_advice_test {
 
 using test::expect_error;
 using test::TemporaryFolder;
@@ -42,5 +42,5 @@ TEST(RunAdvice, AFolderOfThatNameIsNoFile) {
   EXPECT_EQ(advice_where_no_run_is(folder.path("none")), "is this the run folder?");
 }
 
-}  // namespace
+}  // namespace run_advice_test
 }  // namespace octant::io

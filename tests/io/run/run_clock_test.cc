@@ -9,7 +9,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace run_clock_test {
 
 using test::TemporaryFolder;
 using testing::HasSubstr;
@@ -132,5 +132,5 @@ TEST(RunClock, TimesInMillisecondsAreNamed) {
   EXPECT_THAT(run->warnings[0], HasSubstr("these seem to be milliseconds; seconds are expected"));
 }
 
-}  // namespace
+}  // namespace run_clock_test
 }  // namespace octant::io

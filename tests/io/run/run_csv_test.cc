@@ -6,7 +6,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace run_csv_test {
 
 struct File {
   std::string name, text;
@@ -49,5 +49,5 @@ TEST(RunCsv, OdometryInSpace) {
                      "odometry.csv is there too", "odometry.tum");
 }
 
-}  // namespace
+}  // namespace run_csv_test
 }  // namespace octant::io

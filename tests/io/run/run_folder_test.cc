@@ -8,7 +8,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace run_folder_test {
 
 using test::expect_error;
 using test::TemporaryFolder;
@@ -393,5 +393,5 @@ TEST(RunFolder, ReadsBackWhatItWrote) {
   }));
 }
 
-}  // namespace
+}  // namespace run_folder_test
 }  // namespace octant::io

@@ -8,7 +8,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace run_ids_test {
 
 using test::expect_error;
 using test::TemporaryFolder;
@@ -112,5 +112,5 @@ TEST(RunIds, NamesWithoutEndAreRefused) {
   expect_error(ids_of(text), 10'001, "more than 10000 names", "tof.csv");
 }
 
-}  // namespace
+}  // namespace run_ids_test
 }  // namespace octant::io

@@ -7,7 +7,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace run_points_test {
 
 using test::expect_error;
 using test::TemporaryFolder;
@@ -96,5 +96,5 @@ TEST(RunDistances, StandForTimesWhereTheSpeedIsConstant) {
       0.5);
 }
 
-}  // namespace
+}  // namespace run_points_test
 }  // namespace octant::io

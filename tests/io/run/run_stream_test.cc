@@ -5,7 +5,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace run_stream_test {
 
 using test::expect_error;
 using test::TemporaryFolder;
@@ -113,5 +113,5 @@ TEST(RunStream, SaysWhatReadRunSays) {
   }
 }
 
-}  // namespace
+}  // namespace run_stream_test
 }  // namespace octant::io

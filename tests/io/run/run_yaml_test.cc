@@ -7,7 +7,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace run_yaml_test {
 
 using test::expect_error;
 using test::maybe;
@@ -141,5 +141,5 @@ TEST(RunYaml, TheOdometrysAccuracyIsReadFromARunOrAFile) {
   expect_error(read_odometry_accuracy(folder.path("none"), warnings), 0, "No such file", "none");
 }
 
-}  // namespace
+}  // namespace run_yaml_test
 }  // namespace octant::io

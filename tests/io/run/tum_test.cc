@@ -5,7 +5,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace tum_test {
 
 using test::expect_error;
 
@@ -126,5 +126,5 @@ TEST(Fixes, HeadingSigmaOfATiltedVehicle) {
               1e-8 * expected);  // central differences: step^2 and rounding / step
 }
 
-}  // namespace
+}  // namespace tum_test
 }  // namespace octant::io

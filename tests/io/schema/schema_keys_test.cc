@@ -19,7 +19,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace schema_keys_test {
 
 using test::TemporaryFolder;
 using KeysJson = nlohmann::json;
@@ -148,5 +148,5 @@ TEST(SchemaKeys, OfARunAreKnownToItsReader) {
   });
 }
 
-}  // namespace
+}  // namespace schema_keys_test
 }  // namespace octant::io

@@ -11,7 +11,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace schema_test {
 
 constexpr const char* kFormats[] = {"site",  "run",  "deployment", "fixes",   "scenario", "scene",
                                     "batch", "live", "survey",     "columns", "topics",   "defaults"};
@@ -161,5 +161,5 @@ TEST(Schema, APageHasARowForEachKeyAndColumn) {
   EXPECT_THAT(fixes, testing::HasSubstr("| `protection_level_m` | m | required | `0.041` | bound that"));
 }
 
-}  // namespace
+}  // namespace schema_test
 }  // namespace octant::io

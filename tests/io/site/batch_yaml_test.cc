@@ -5,7 +5,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace batch_yaml_test {
 
 using test::expect_error;
 using test::TemporaryFolder;
@@ -71,5 +71,5 @@ TEST(BatchYaml, SaysWhatIsWrongAndWhere) {
   expect_error(read_batch("/nowhere/sites.yaml"), 0, "No such file", "sites.yaml");
 }
 
-}  // namespace
+}  // namespace batch_yaml_test
 }  // namespace octant::io

@@ -7,7 +7,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace defaults_yaml_test {
 
 TEST(DefaultsYaml, WhatIsThereIsTaken) {
   const test::TemporaryFolder box;
@@ -41,5 +41,5 @@ TEST(DefaultsYaml, WhatIsWrongIsNamed) {
   EXPECT_NE(odd->warnings[0].find("seed"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace defaults_yaml_test
 }  // namespace octant::io

@@ -6,7 +6,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace profile_csv_test {
 
 using test::expect_error;
 using test::TemporaryFolder;
@@ -82,5 +82,5 @@ TEST(SiteProfile, MissingFilesAndModelsOfTheAirAreRefused) {
   expect_error(read_site(folder.write("site.yaml", air)), 3, "profile");
 }
 
-}  // namespace
+}  // namespace profile_csv_test
 }  // namespace octant::io

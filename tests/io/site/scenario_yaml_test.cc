@@ -15,9 +15,9 @@
 #include "tests/support/worlds.h"
 
 namespace octant::io {
-namespace {
+namespace scenario_yaml_test {
 
-using test::must;
+using octant::test::must;
 using testing::HasSubstr;
 
 /// Twelve lines; tests append theirs from line 13 on.
@@ -187,5 +187,5 @@ TEST(ScenarioYaml, SchemaIsJsonAndKnowsTheBundledWorldsKeys) {
   }
 }
 
-}  // namespace
+}  // namespace scenario_yaml_test
 }  // namespace octant::io

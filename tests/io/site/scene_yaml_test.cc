@@ -12,7 +12,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace scene_yaml_test {
 
 using test::TemporaryFolder;
 using ::testing::HasSubstr;
@@ -268,5 +268,5 @@ TEST(RosMap, ACostmapReadsBackWhereItWas) {
                                                    RosMap::kFree, RosMap::kUnknown, RosMap::kFree}));
 }
 
-}  // namespace
+}  // namespace scene_yaml_test
 }  // namespace octant::io

@@ -8,7 +8,7 @@
 #include "io/yaml/yaml_reader.h"
 
 namespace octant::io {
-namespace {
+namespace site_beacons_test {
 
 constexpr const char* kSite = R"(# a hall
 octant_site: 1
@@ -79,5 +79,5 @@ TEST(SiteBeacons, RefusesWhatIsNoSite) {
   EXPECT_FALSE(with_beacons(kSite, "site.yaml", {{"B1", {0, 0, 0}, 0.1, {}}}, true));
 }
 
-}  // namespace
+}  // namespace site_beacons_test
 }  // namespace octant::io

@@ -7,7 +7,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace site_writer_test {
 
 using test::expect_error;
 using test::TemporaryFolder;
@@ -171,5 +171,5 @@ TEST(SiteYaml, SaysWhatIsWrongWithItsValidity) {
                "a drift without a limit");
 }
 
-}  // namespace
+}  // namespace site_writer_test
 }  // namespace octant::io

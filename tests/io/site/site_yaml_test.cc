@@ -6,7 +6,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace site_yaml_test {
 
 using test::expect_error;
 using test::TemporaryFolder;
@@ -308,5 +308,5 @@ TEST(SiteYaml, AliasesThatMultiplyAreTooMany) {
   expect_error(read(kHead + "a: &a [x]\nvehicles: *a\nbeacons: *a\n"), 3, "'x'; expected a mapping");
 }
 
-}  // namespace
+}  // namespace site_yaml_test
 }  // namespace octant::io

@@ -11,7 +11,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace atomic_file_test {
 
 using test::expect_error;
 using test::TemporaryFolder;
@@ -109,5 +109,5 @@ TEST(AtomicFile, DigestsAsTheStandardSays) {  // FIPS 180-4, examples
   EXPECT_EQ(sha256_hex(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
 }
 
-}  // namespace
+}  // namespace atomic_file_test
 }  // namespace octant::io

@@ -7,7 +7,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace csv_scan_test {
 
 /// Bytes that differ from separators by a bit or by a borrow: where a word's trick would go wrong.
 std::string some_bytes() {
@@ -60,5 +60,5 @@ TEST(CsvScan, BlanksRoundAFieldAreNoneOfIt) {
   EXPECT_EQ(trim("\va\n"), "\va\n") << "no other white space";
 }
 
-}  // namespace
+}  // namespace csv_scan_test
 }  // namespace octant::io

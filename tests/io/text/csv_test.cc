@@ -6,7 +6,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace csv_test {
 
 using Rows = std::vector<std::vector<std::string>>;
 
@@ -136,5 +136,5 @@ TEST(Csv, ReadsBackEveryField) {
   }));
 }
 
-}  // namespace
+}  // namespace csv_test
 }  // namespace octant::io

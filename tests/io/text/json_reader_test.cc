@@ -8,7 +8,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace json_reader_test {
 
 using test::expect_error;
 using testing::HasSubstr;
@@ -204,5 +204,5 @@ TEST(JsonReader, PlacesAreThoseOfTheTextBehindItsMark) {
   EXPECT_EQ(log.error->column, 6);
 }
 
-}  // namespace
+}  // namespace json_reader_test
 }  // namespace octant::io

@@ -12,7 +12,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace open_file_test {
 
 namespace fs = std::filesystem;
 using test::expect_error;
@@ -100,5 +100,5 @@ TEST(OpenFile, ReasonsHaveAnAdviceWhereThereIsOne) {
   EXPECT_EQ(advice_for(EINVAL), "");
 }
 
-}  // namespace
+}  // namespace open_file_test
 }  // namespace octant::io

@@ -10,7 +10,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace plain_number_test {
 
 /// With what must be readable before it, and something else behind.
 template <class Read>
@@ -88,5 +88,5 @@ TEST(PlainNumber, RefusesEveryOtherByteEverywhere) {
   }
 }
 
-}  // namespace
+}  // namespace plain_number_test
 }  // namespace octant::io

@@ -13,7 +13,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace staging_test {
 
 namespace fs = std::filesystem;
 using test::TemporaryFolder;
@@ -126,5 +126,5 @@ TEST(StagedFolder, IsLockedSoThatNobodyTakesItForOneThatWasLeft) {
   EXPECT_FALSE(fs::exists(path));
 }
 
-}  // namespace
+}  // namespace staging_test
 }  // namespace octant::io

@@ -5,7 +5,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace text_test {
 
 using test::expect_error;
 
@@ -79,5 +79,5 @@ TEST(Text, FindsAByteThatIsNoTextAnywhere) {
   }));
 }
 
-}  // namespace
+}  // namespace text_test
 }  // namespace octant::io

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::io {
-namespace {
+namespace time_text_test {
 
 TEST(TimeText, NumbersDatesAndTimesOfDayAreSeconds) {
   const std::pair<const char*, double> cases[] = {{"12.5", 12.5},
@@ -42,5 +42,5 @@ TEST(TimeText, StampsBeyondTheYear5138AreInASmallerUnit) {
   EXPECT_DOUBLE_EQ(seconds_of_stamp(4294967295.0), 4294967295.0) << "a counter";
 }
 
-}  // namespace
+}  // namespace time_text_test
 }  // namespace octant::io

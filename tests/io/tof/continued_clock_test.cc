@@ -8,7 +8,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace continued_clock_test {
 
 using ::testing::HasSubstr;
 
@@ -89,5 +89,5 @@ TEST(TimeUnitCheck, SecondsStay) {
   EXPECT_EQ(unit_of(0.25, 50, 4000), "") << "counters have no fractions";
 }
 
-}  // namespace
+}  // namespace continued_clock_test
 }  // namespace octant::io

@@ -4,7 +4,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace name_lookup_test {
 
 using testing::HasSubstr;
 
@@ -91,5 +91,5 @@ TEST(NameLookup, VehiclesAndReceiversAreNamedWithWhatThereIs) {
   EXPECT_EQ(said(kFleet, "beacon,vehicle,receiver\nB0,robot,r\n"), "");
 }
 
-}  // namespace
+}  // namespace name_lookup_test
 }  // namespace octant::io

@@ -8,7 +8,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace order_watch_test {
 
 TEST(OrderWatch, TimeMayStandStillAndNotGoBack) {
   OrderWatch watch(1, 0, 1);
@@ -75,5 +75,5 @@ TEST(OrderWatch, SaysAtTheCellWhatIsOutOfOrder) {
               testing::HasSubstr("t.csv:5:4: epoch 1 comes back after epoch 3"));
 }
 
-}  // namespace
+}  // namespace order_watch_test
 }  // namespace octant::io

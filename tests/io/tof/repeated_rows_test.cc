@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::io {
-namespace {
+namespace repeated_rows_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -59,5 +59,5 @@ TEST(RepeatedRows, AnotherAmplitudeIsAnotherMeasurement) {
   EXPECT_THAT(repeated.drop(all, 0), IsEmpty());
 }
 
-}  // namespace
+}  // namespace repeated_rows_test
 }  // namespace octant::io

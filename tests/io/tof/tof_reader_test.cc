@@ -10,7 +10,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace tof_reader_test {
 
 using test::TemporaryFolder;
 
@@ -229,5 +229,5 @@ TEST(TofReader, GuessesTheNumberOfRows) {
   EXPECT_LE(reader.rows_estimate(), 66'000u) << "a tenth of the memory in vain at most";
 }
 
-}  // namespace
+}  // namespace tof_reader_test
 }  // namespace octant::io

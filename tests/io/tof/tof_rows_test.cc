@@ -8,7 +8,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace tof_rows_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -151,5 +151,5 @@ TEST(TofRows, FaultsAreNamedAtTheirCells) {
               HasSubstr("temperature_degC is 293.15; expected degrees Celsius from -100 to 100"));
 }
 
-}  // namespace
+}  // namespace tof_rows_test
 }  // namespace octant::io

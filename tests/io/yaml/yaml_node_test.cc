@@ -6,7 +6,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace yaml_node_test {
 
 using test::expect_error;
 
@@ -82,5 +82,5 @@ TEST(YamlNode, WhatIsWrittenReadsBack) {
   }));
 }
 
-}  // namespace
+}  // namespace yaml_node_test
 }  // namespace octant::io

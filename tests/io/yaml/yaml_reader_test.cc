@@ -7,7 +7,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace yaml_reader_test {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -256,5 +256,5 @@ TEST(YamlReader, AVersionIsOneOrAnError) {
   EXPECT_THAT(error("octant_site: 1\n", "octant_scene"), HasSubstr("octant schema scene"));
 }
 
-}  // namespace
+}  // namespace yaml_reader_test
 }  // namespace octant::io

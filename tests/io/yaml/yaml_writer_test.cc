@@ -6,7 +6,7 @@
 #include "tests/io/io_support.h"
 
 namespace octant::io {
-namespace {
+namespace yaml_writer_test {
 
 /// As it reads back as a value and as a list's item in brackets, where more characters have a meaning.
 void expect_back(const std::string& text) {
@@ -59,5 +59,5 @@ TEST(YamlText, BreaksAndControlsBeyondAsciiReadBack) {
     expect_back(odd);
 }
 
-}  // namespace
+}  // namespace yaml_writer_test
 }  // namespace octant::io

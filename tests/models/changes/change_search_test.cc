@@ -11,7 +11,7 @@
 #include "models/simulator/random.h"
 
 namespace octant {
-namespace {
+namespace change_search_test {
 
 constexpr double kWide = 1e3;  ///< prior of a change
 
@@ -145,5 +145,5 @@ TEST_F(Search, GivesUpWhatOthersExplain) {
   EXPECT_EQ(search_changes(innovation, hypotheses).held(), (std::vector<std::size_t>{0, 1}));
 }
 
-}  // namespace
+}  // namespace change_search_test
 }  // namespace octant

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace octant {
-namespace {
+namespace chi_square_test {
 
 TEST(ChiSquare, TailAgreesWithTheTables) {
   // NIST/SEMATECH e-Handbook, table 1.3.6.7.4: upper critical values, printed to three decimals.
@@ -39,5 +39,5 @@ TEST(ChiSquare, LogarithmGoesOnWhereTheProbabilityIsNone) {
   EXPECT_NEAR(log_chi_square_tail(49.9999999, 1), log_chi_square_tail(50.0000001, 1), 2e-7);
 }
 
-}  // namespace
+}  // namespace chi_square_test
 }  // namespace octant

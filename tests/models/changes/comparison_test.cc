@@ -11,7 +11,7 @@
 #include "models/simulator/random.h"
 
 namespace octant {
-namespace {
+namespace comparison_test {
 
 constexpr const char* kAxes[3] = {"/x_m", "/y_m", "/z_m"};
 
@@ -174,5 +174,5 @@ TEST(Comparison, MonthsBetweenDates) {
   EXPECT_EQ(months_between("yesterday", "2026-01-01T00:00:00Z"), 0.0);
 }
 
-}  // namespace
+}  // namespace comparison_test
 }  // namespace octant

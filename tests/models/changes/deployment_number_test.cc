@@ -10,7 +10,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace deployment_number_test {
 
 /// Values are read back as written, and no others change.
 TEST(DeploymentNumber, IsReadAsItWasWritten) {
@@ -49,5 +49,5 @@ TEST(DeploymentNumber, OfWhatItDoesNotHoldIsNothing) {
   }
 }
 
-}  // namespace
+}  // namespace deployment_number_test
 }  // namespace octant::test

@@ -9,7 +9,7 @@
 #include <Eigen/Dense>
 
 namespace octant {
-namespace {
+namespace innovation_test {
 
 Eigen::MatrixXd random_positive(Eigen::Index n, std::mt19937_64& random) {
   std::normal_distribution<double> normal;
@@ -60,5 +60,5 @@ TEST(Innovation, OfNothingIsNothing) {
   EXPECT_EQ(found.y.size(), 0);
 }
 
-}  // namespace
+}  // namespace innovation_test
 }  // namespace octant

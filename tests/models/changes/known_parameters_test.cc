@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace octant {
-namespace {
+namespace known_parameters_test {
 
 Deployment small_site() {
   Deployment d;
@@ -70,5 +70,5 @@ TEST(KnownParameters, MotionsOfTheMapKeepItsDistances) {
   EXPECT_EQ(map_motions(known, Motion::kSpatial).cols(), 6);
 }
 
-}  // namespace
+}  // namespace known_parameters_test
 }  // namespace octant

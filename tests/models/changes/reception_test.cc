@@ -12,7 +12,7 @@
 #include "models/simulator/random.h"
 
 namespace octant::test {
-namespace {
+namespace reception_test {
 
 constexpr std::size_t kBeacons = 8;
 constexpr double kReach_m = 10.0;
@@ -126,5 +126,5 @@ TEST(NegativeBinomial, IsPoissonWithoutVarianceAndHasAClosedFormAtZero) {
   EXPECT_NEAR(negative_binomial_at_most(1e4, 10.0, 0.25), 1.0, 1e-9);
 }
 
-}  // namespace
+}  // namespace reception_test
 }  // namespace octant::test

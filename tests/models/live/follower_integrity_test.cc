@@ -12,7 +12,7 @@
 #include "tests/models/localizers/hall.h"
 
 namespace octant::test {
-namespace {
+namespace follower_integrity_test {
 
 TEST(FollowerIntegrity, ArrivalsBehindTheOdometryOrOutOfOrderAreAllUsed) {
   const Deployment d = with_octagon(hall());
@@ -212,5 +212,5 @@ TEST(FollowerIntegrity, PredictsToAnInstant) {
   EXPECT_GT(std::sqrt(fix.covariance(0, 0)), 5 * sigma_m);
 }
 
-}  // namespace
+}  // namespace follower_integrity_test
 }  // namespace octant::test

@@ -16,7 +16,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant {
-namespace {
+namespace follower_test {
 
 using test::Drive;
 using test::drive;
@@ -362,5 +362,5 @@ RC_GTEST_PROP(Follower, TakesAnything, ()) {
     RC_ASSERT(!fix.ok() || (fix.T_map_vehicle.translation_m.allFinite() && fix.covariance.allFinite()));
 }
 
-}  // namespace
+}  // namespace follower_test
 }  // namespace octant

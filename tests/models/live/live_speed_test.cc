@@ -13,7 +13,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant {
-namespace {
+namespace live_speed_test {
 
 /// Arrivals of a hall in which sound is faster than in its deployment by this amount.
 World faster_hall(double by_mps) {
@@ -126,5 +126,5 @@ TEST(LiveSpeed, WhereTheTemperatureIsKnownNothingIsEstimated) {
   EXPECT_FALSE(first_told(speed, run).first);
 }
 
-}  // namespace
+}  // namespace live_speed_test
 }  // namespace octant

@@ -10,7 +10,7 @@
 #include "tests/models/localizers/binaural_world.h"
 
 namespace octant {
-namespace {
+namespace binaural_figures_test {
 
 using test::chirp;
 using test::kDegree;
@@ -191,5 +191,5 @@ TEST_F(Laboratory, Table1Obstruction) {
   EXPECT_EQ(both.fixes, 0);  // row 5: insufficient data
 }
 
-}  // namespace
+}  // namespace binaural_figures_test
 }  // namespace octant

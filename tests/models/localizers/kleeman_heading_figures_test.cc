@@ -14,7 +14,7 @@
 #include "tests/models/localizers/kleeman_room.h"
 
 namespace octant {
-namespace {
+namespace kleeman_heading_figures_test {
 
 using test::add_echoes;
 using test::anywhere;
@@ -336,5 +336,5 @@ TEST(KleemanHeadingFigures, StandingForThreeCyclesGivesADegree) {
   }
 }
 
-}  // namespace
+}  // namespace kleeman_heading_figures_test
 }  // namespace octant

@@ -15,7 +15,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant {
-namespace {
+namespace line_map_recordings_test {
 
 namespace fs = std::filesystem;
 using test::must;
@@ -122,5 +122,5 @@ TEST_F(ScanRecordings, InfiniteCorridor) {
   EXPECT_LT(with.nees, 2.0);
 }
 
-}  // namespace
+}  // namespace line_map_recordings_test
 }  // namespace octant

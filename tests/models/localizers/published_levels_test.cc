@@ -17,7 +17,7 @@
 #include "tests/models/localizers/ranging_support.h"
 
 namespace octant::test {
-namespace {
+namespace published_levels_test {
 
 constexpr double kFault_s = 0.3 / 343.7, kNoise_s = 1e-5;
 /// With a faulty beacon a fix exceeds its level with a probability of at most exp(-k^2 / 2), k =
@@ -231,5 +231,5 @@ TEST(PublishedLevels, MethodsThatHaveNoneSayWhy) {
   }
 }
 
-}  // namespace
+}  // namespace published_levels_test
 }  // namespace octant::test

@@ -16,7 +16,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant {
-namespace {
+namespace reflectors_recordings_test {
 
 namespace fs = std::filesystem;
 using test::must;
@@ -142,5 +142,5 @@ TEST_F(BearingRecordings, Mrclam) {
   EXPECT_LT(std::sqrt(outcome.heading2 / outcome.fixes()), 0.0282);
 }
 
-}  // namespace
+}  // namespace reflectors_recordings_test
 }  // namespace octant

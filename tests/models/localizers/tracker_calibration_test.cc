@@ -19,7 +19,7 @@
 #include "tests/support/statistics.h"
 
 namespace octant {
-namespace {
+namespace tracker_calibration_test {
 
 using test::hall;
 using test::with_receiver;
@@ -244,5 +244,5 @@ TEST(LeastSquares, MostBearingsAgainstAPoseAreNoFix) {
   EXPECT_TRUE(localizer.locate(Observations{arrivals, bearings}).ok());
 }
 
-}  // namespace
+}  // namespace tracker_calibration_test
 }  // namespace octant

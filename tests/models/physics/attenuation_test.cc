@@ -11,7 +11,7 @@
 #include "tests/support/golden.h"
 
 namespace octant {
-namespace {
+namespace attenuation_test {
 
 TEST(TimeWalk, HasThePrintedDigits) {
   const auto file = test::golden("time_walk");
@@ -121,5 +121,5 @@ TEST(Amplitude, SpreadsAndIsAbsorbed) {
   EXPECT_NEAR(amplitude_v(10.0, both), 1.25 * std::exp(-1.5), 1e-15);
 }
 
-}  // namespace
+}  // namespace attenuation_test
 }  // namespace octant

@@ -12,7 +12,7 @@
 #include "tests/support/numeric.h"
 
 namespace octant {
-namespace {
+namespace measurement_test {
 
 /// Unknowns of one arrival: beacon 3, receiver 3, speed, delay, attenuation 4, pose tangent 6.
 constexpr int kUnknowns = 18;
@@ -235,5 +235,5 @@ TEST(Measurement, BearingDerivativesAgreeWithNumericOnes) {
   }
 }
 
-}  // namespace
+}  // namespace measurement_test
 }  // namespace octant

@@ -9,7 +9,7 @@
 #include "tests/support/golden.h"
 
 namespace octant {
-namespace {
+namespace medium_test {
 
 constexpr double kDecibelsPerNeper = 8.685889638065037;  // 20 / ln 10
 
@@ -90,5 +90,5 @@ TEST(Medium, NamesAreThoseOfTheSiteFile) {
   EXPECT_EQ(to_string(MediumModel::kCramer1993), "cramer1993");
 }
 
-}  // namespace
+}  // namespace medium_test
 }  // namespace octant

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace octant {
-namespace {
+namespace polygon_test {
 
 TEST(Polygon, SelfCrossing) {
   EXPECT_FALSE(self_crossing({{0, 0}, {2, 0}, {2, 2}, {1, 0.5}, {0, 2}}));
@@ -31,5 +31,5 @@ TEST(Polygon, NearestOnTheOutlineAndBounds) {
   EXPECT_TRUE(bounds_of({}).isEmpty());
 }
 
-}  // namespace
+}  // namespace polygon_test
 }  // namespace octant

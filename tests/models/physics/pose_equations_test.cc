@@ -8,7 +8,7 @@
 #include <Eigen/Dense>
 
 namespace octant {
-namespace {
+namespace pose_equations_test {
 
 TEST(PoseEquations, StepIsTheWeightedLeastSquaresSolution) {
   std::mt19937_64 random(5);
@@ -42,5 +42,5 @@ TEST(PoseEquations, WhatNothingTellsStaysWhereItIs) {
   EXPECT_EQ(step[2], 0.0);
 }
 
-}  // namespace
+}  // namespace pose_equations_test
 }  // namespace octant

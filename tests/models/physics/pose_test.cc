@@ -11,7 +11,7 @@
 #include "tests/support/numeric.h"
 
 namespace octant {
-namespace {
+namespace pose_test {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -182,5 +182,5 @@ TEST(Pose, TheTangentBetweenTwoIsWhatRetractMovesBy) {
   EXPECT_LT((back - moved).norm(), 1e-12);
 }
 
-}  // namespace
+}  // namespace pose_test
 }  // namespace octant

@@ -9,7 +9,7 @@
 #include "models/physics/measurement.h"
 
 namespace octant {
-namespace {
+namespace range_test {
 
 constexpr AttenuationModel kModel = {
     .amplitude_1m_v = 1.0, .absorption_np_per_m = 0.1, .threshold_v = 0.01, .rise_time_s = 300e-6};
@@ -54,5 +54,5 @@ TEST(Range, OffTheAxisAPulseIsLaterByThreeDecibels) {
   EXPECT_EQ(off_axis_walk_sigma_s(60.0, kModel, 0.0), 0.0) << "held at both";
 }
 
-}  // namespace
+}  // namespace range_test
 }  // namespace octant

@@ -9,7 +9,7 @@
 #include "tests/support/golden.h"
 
 namespace octant {
-namespace {
+namespace receiver_array_test {
 
 TEST(Octagon, RadiusHasThePrintedDigits) {
   for (const auto& c : test::golden_cases("octagon")) {
@@ -50,5 +50,5 @@ TEST(Octagon, TurnTurnsAll) {
     EXPECT_TRUE(turned[i].position_m.isApprox(straight[(i + 1) % 8].position_m, 1e-14));
 }
 
-}  // namespace
+}  // namespace receiver_array_test
 }  // namespace octant

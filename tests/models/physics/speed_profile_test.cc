@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace octant {
-namespace {
+namespace speed_profile_test {
 
 /// Warm surface, minimum at 800 m, then rising with pressure: a plain ocean.
 SpeedProfile ocean() {
@@ -86,5 +86,5 @@ TEST(SeaWater, AgreesWithMackenziesCheckValue) {
   EXPECT_NEAR(sea_water_speed_mps(25, 35, 1000), 1550.744, 5e-4);
 }
 
-}  // namespace
+}  // namespace speed_profile_test
 }  // namespace octant

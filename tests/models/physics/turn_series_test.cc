@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::test {
-namespace {
+namespace turn_series_test {
 
 /// Angles from zero to nearly half a turn, denser where the series end.
 std::vector<double> angles() {
@@ -48,5 +48,5 @@ TEST(TurnSeries, OfNoTurnAreTheirFirstTerms) {
   EXPECT_EQ(inverse_curvature(0.0), 1.0 / 12);
 }
 
-}  // namespace
+}  // namespace turn_series_test
 }  // namespace octant::test

@@ -7,7 +7,7 @@
 #include <cmath>
 
 namespace octant {
-namespace {
+namespace unit_rotation_test {
 
 TEST(UnitRotation, IsTheSameForAQuaternionOfAnyLength) {
   const double half = 0.35;
@@ -27,5 +27,5 @@ TEST(UnitRotation, NoLengthOrNoNumbersIsNone) {
   EXPECT_FALSE(unit_rotation(INFINITY, 0.0, 0.0, 1.0));
 }
 
-}  // namespace
+}  // namespace unit_rotation_test
 }  // namespace octant

@@ -11,7 +11,7 @@
 #include "tests/support/statistics.h"
 
 namespace octant {
-namespace {
+namespace random_test {
 
 /// Largest distance between the distribution of samples and a cumulative distribution function.
 template <class Cdf>
@@ -68,5 +68,5 @@ TEST(Random, ClippedDrawsStayWithin) {
   for (double x : samples(1, [](Random& r) { return r.clipped_normal(1.5); })) EXPECT_LE(std::abs(x), 1.5);
 }
 
-}  // namespace
+}  // namespace random_test
 }  // namespace octant

@@ -11,7 +11,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant {
-namespace {
+namespace synthetic_sensors_test {
 
 using test::drive_scenario;
 using test::hall_scenario;
@@ -138,5 +138,5 @@ TEST(SyntheticSensors, ContradictionsAreRefused) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace synthetic_sensors_test
 }  // namespace octant

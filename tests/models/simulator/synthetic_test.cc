@@ -17,7 +17,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant {
-namespace {
+namespace synthetic_test {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -382,5 +382,5 @@ TEST(Synthetic, TrueDeploymentPredictsTheArrivals) {
   }
 }
 
-}  // namespace
+}  // namespace synthetic_test
 }  // namespace octant

@@ -13,7 +13,7 @@
 #include "models/trajectory/linearise.h"
 
 namespace octant::test {
-namespace {
+namespace observed_test {
 
 /// J'J of random rows whose unknowns are in metres, radians and nanoseconds.
 NodeBlock information_of(int rows, int unknowns, unsigned seed) {
@@ -111,5 +111,5 @@ TEST(SmallCholesky, TakesAPivotAsItIsAccepted) {
   EXPECT_DOUBLE_EQ(b[1], 2.0);
 }
 
-}  // namespace
+}  // namespace observed_test
 }  // namespace octant::test

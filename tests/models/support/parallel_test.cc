@@ -17,7 +17,7 @@
 #include <rapidcheck/gtest.h>
 
 namespace octant::test {
-namespace {
+namespace parallel_test {
 
 TEST(Parallel, EachIsDoneOnceOnAnyNumberOfThreads) {
   for (const int threads : {-3, 0, 1, 2, 7}) {
@@ -128,5 +128,5 @@ TEST(Parallel, AForkedProcessHasItsOwn) {
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
 }
 
-}  // namespace
+}  // namespace parallel_test
 }  // namespace octant::test

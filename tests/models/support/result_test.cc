@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::test {
-namespace {
+namespace result_test {
 
 TEST(ErrorMessage, SaysWhereWhatAndWhatToDoInOneLine) {
   EXPECT_EQ((Error{.file = "tof.csv", .line = 41, .column = 7, .found = "'x' is not a number"}).message(),
@@ -30,5 +30,5 @@ TEST(Fail, IsAResultWithoutAValue) {
   EXPECT_EQ(failed.error().code, Errc::kOutput);
 }
 
-}  // namespace
+}  // namespace result_test
 }  // namespace octant::test

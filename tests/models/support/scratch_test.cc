@@ -10,7 +10,7 @@
 #include "tests/support/allocation_count.h"
 
 namespace octant::test {
-namespace {
+namespace scratch_test {
 
 using Doubles = std::pmr::vector<double>;
 
@@ -66,5 +66,5 @@ TEST(Scratch, IsTheThreadsOwn) {
   EXPECT_EQ(there, std::pmr::new_delete_resource());
 }
 
-}  // namespace
+}  // namespace scratch_test
 }  // namespace octant::test

@@ -7,7 +7,7 @@
 #include "models/support/decompositions.h"
 
 namespace octant::test {
-namespace {
+namespace unit_diagonal_test {
 
 /// Elements in metres and microseconds.
 Eigen::Matrix3d mixed_units() {
@@ -41,5 +41,5 @@ TEST(UnitDiagonal, WhatRoundingLeavesBelowZeroIsFinite) {
   EXPECT_TRUE(unit.scaled.allFinite());
 }
 
-}  // namespace
+}  // namespace unit_diagonal_test
 }  // namespace octant::test

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace octant {
-namespace {
+namespace utc_time_test {
 
 TEST(UtcTime, ReadsWhatItWrites) {
   for (const std::int64_t s : {0LL, -1LL, 951782400LL, 1767312000LL, 4102444799LL})
@@ -18,5 +18,5 @@ TEST(UtcTime, ReadsWhatItWrites) {
     EXPECT_FALSE(utc_seconds(bad)) << bad;
 }
 
-}  // namespace
+}  // namespace utc_time_test
 }  // namespace octant

@@ -11,7 +11,7 @@
 #include <Eigen/SparseCholesky>
 
 namespace octant {
-namespace {
+namespace chain_solver_test {
 
 template <int N>
 Eigen::Matrix<double, N, N> random_normal_matrix(std::mt19937& random) {
@@ -134,5 +134,5 @@ TEST(FixedChainStep, SaysWhereAChainIsNotPositiveDefinite) {
   }
 }
 
-}  // namespace
+}  // namespace chain_solver_test
 }  // namespace octant

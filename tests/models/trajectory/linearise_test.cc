@@ -14,7 +14,7 @@
 #include "tests/support/numeric.h"
 
 namespace octant::test {
-namespace {
+namespace linearise_test {
 
 Random any_draws() { return Random(static_cast<std::uint64_t>(*rc::gen::arbitrary<std::uint32_t>())); }
 
@@ -378,5 +378,5 @@ TEST(ChainSystem, IsTheSumOfItsRows) {
   EXPECT_NEAR(chain_cost(one.t, one.t.segments[0], one.state, loss), cost, 1e-12 * cost);
 }
 
-}  // namespace
+}  // namespace linearise_test
 }  // namespace octant::test

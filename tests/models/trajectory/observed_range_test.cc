@@ -11,7 +11,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace observed_range_test {
 
 /// A stop among three beacons, one with half the amplitude of the others, without noise.
 struct Heard {
@@ -94,5 +94,5 @@ TEST(ObservedRange, AnOffsetThatIsNotKnownStaysInIt) {
   }
 }
 
-}  // namespace
+}  // namespace observed_range_test
 }  // namespace octant::test

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::test {
-namespace {
+namespace planar_test {
 
 constexpr double kRounding = 4e-16;
 
@@ -77,5 +77,5 @@ TEST(PlanarInterval, GoesTheShorterWay) {
   EXPECT_NEAR(std::abs(middle.heading.angle_rad()), M_PI, 1e-15);
 }
 
-}  // namespace
+}  // namespace planar_test
 }  // namespace octant::test

@@ -10,7 +10,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace shared_state_test {
 
 Site hall_site() { return hall_scenario().site; }
 
@@ -220,5 +220,5 @@ TEST(SharedState, ABeaconIsPutBackWithAllItsNumbers) {
   EXPECT_EQ(now.beacon_log_gain[3], 0.25);
 }
 
-}  // namespace
+}  // namespace shared_state_test
 }  // namespace octant::test

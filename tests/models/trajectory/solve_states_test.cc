@@ -10,7 +10,7 @@
 #include "models/trajectory/linearise.h"
 
 namespace octant {
-namespace {
+namespace solve_states_test {
 
 struct Drive {
   Trajectory t;
@@ -211,5 +211,5 @@ TEST(PlanarChain, ALongStepIsNotTheLastNorIsOneWithARobustLoss) {
   EXPECT_EQ(robust.one_step.iterations, robust.at_rest.iterations);
 }
 
-}  // namespace
+}  // namespace solve_states_test
 }  // namespace octant

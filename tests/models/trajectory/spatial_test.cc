@@ -14,7 +14,7 @@
 #include "tests/support/numeric.h"
 
 namespace octant::test {
-namespace {
+namespace spatial_test {
 
 using Vector6 = SpatialArrival::Vector6;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
@@ -153,5 +153,5 @@ TEST(HasSpatialArrivals, AsksForPlainPathsInSpace) {
   EXPECT_FALSE(has_spatial_arrivals(t, all, state));
 }
 
-}  // namespace
+}  // namespace spatial_test
 }  // namespace octant::test

@@ -10,7 +10,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace state_kind_test {
 
 TEST(StateKind, IsByWhatTheRunHas) {
   TrajectoryModel model;
@@ -59,5 +59,5 @@ TEST(StateKind, NoSegmentOutlastsItsTie) {
   EXPECT_EQ(longest_tie_s(StateKind::kChainedStops), INFINITY);
 }
 
-}  // namespace
+}  // namespace state_kind_test
 }  // namespace octant::test

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace octant {
-namespace {
+namespace stretches_test {
 
 /// A drive with an arrival between neighbours, an odometry row too, and a pose now and then.
 Trajectory drive_of(std::size_t nodes) {
@@ -69,5 +69,5 @@ TEST(Stretches, SpreadEvenly) {
   expect_whole(pick_segments(all, stretches), all);
 }
 
-}  // namespace
+}  // namespace stretches_test
 }  // namespace octant

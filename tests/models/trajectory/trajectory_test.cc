@@ -12,7 +12,7 @@
 #include "tests/support/numeric.h"
 
 namespace octant {
-namespace {
+namespace trajectory_test {
 
 /// A drive of five nodes among three beacons with every kind of observation, noisy, in planar or spatial
 /// motion.
@@ -307,5 +307,5 @@ TEST(Observe, AWeakPulseOfADirectionalReceiverIsKnownLessWell) {
   EXPECT_EQ(observed(4.7).sigma_s, 1e-5);
 }
 
-}  // namespace
+}  // namespace trajectory_test
 }  // namespace octant

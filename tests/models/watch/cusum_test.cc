@@ -7,7 +7,7 @@
 #include "models/simulator/random.h"
 
 namespace octant {
-namespace {
+namespace cusum_test {
 
 TEST(Cusum, ASumBeginsAnewAtZero) {
   CumulativeSum sum;
@@ -40,5 +40,5 @@ TEST(Cusum, FalseAlarmsComeAsOftenAsStated) {
   EXPECT_NEAR(values / alarms, stated, stated * (0.03 + 4 * 0.016));
 }
 
-}  // namespace
+}  // namespace cusum_test
 }  // namespace octant

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace octant {
-namespace {
+namespace reception_test {
 
 /// Four beacons in the corners of a hall, received within 12 m. Drives to and fro, two metres a place.
 std::vector<BeaconId> silent_beacons(int places, int dead, int dies_at) {
@@ -56,5 +56,5 @@ TEST(Reception, BeaconsFartherAwayBoundTheProbabilityOfAMiss) {
   EXPECT_EQ(silent, std::vector<BeaconId>{BeaconId(std::size_t{1})});
 }
 
-}  // namespace
+}  // namespace reception_test
 }  // namespace octant

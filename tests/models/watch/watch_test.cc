@@ -15,7 +15,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant {
-namespace {
+namespace watch_test {
 
 /// The calibrated hall, and a robot that stops all over it. Faults are in `truth` only.
 class Rounds {
@@ -380,5 +380,5 @@ TEST(Watch, AllocatesNothingAndBearsNonsense) {
   EXPECT_FALSE(watch.observe_epoch({}, rounds.fix));
 }
 
-}  // namespace
+}  // namespace watch_test
 }  // namespace octant

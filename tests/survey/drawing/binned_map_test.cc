@@ -14,7 +14,7 @@
 #include "tests/survey/small_scene.h"
 
 namespace octant::survey {
-namespace {
+namespace binned_map_test {
 
 using test::must;
 using test::small_scene;
@@ -77,5 +77,5 @@ TEST(Palette, HexadecimalDigitsAreColours) {
   EXPECT_TRUE(std::is_sorted(kToleranceParts.begin(), kToleranceParts.end()));
 }
 
-}  // namespace
+}  // namespace binned_map_test
 }  // namespace octant::survey

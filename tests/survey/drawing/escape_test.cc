@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 namespace octant::survey {
-namespace {
+namespace escape_test {
 
 /// Decodes character references like a browser.
 std::string unescaped(std::string text) {
@@ -109,5 +109,5 @@ TEST(EscapeMarkdown, BeginsNoListAndNoRule) {
     EXPECT_EQ(escape_markdown(plain), plain) << "nothing begins with it";
 }
 
-}  // namespace
+}  // namespace escape_test
 }  // namespace octant::survey

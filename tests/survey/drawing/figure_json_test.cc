@@ -16,7 +16,7 @@
 #include "tests/survey/report_input.h"
 
 namespace octant::survey {
-namespace {
+namespace figure_json_test {
 
 using nlohmann::json;
 
@@ -207,5 +207,5 @@ TEST(ErrorFigure, GoesFromNoneToAllOfTheFixes) {
   EXPECT_EQ(error_curve_json({}, 0.05), "");
 }
 
-}  // namespace
+}  // namespace figure_json_test
 }  // namespace octant::survey

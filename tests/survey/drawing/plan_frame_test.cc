@@ -11,7 +11,7 @@
 #include "tests/survey/report_input.h"
 
 namespace octant::survey {
-namespace {
+namespace plan_frame_test {
 
 TEST(PlanFrame, RoundingDownGivesOneTwoOrFiveTimesAPowerOfTen) {
   for (const auto& [x, rounded] :
@@ -108,5 +108,5 @@ TEST(PlanFrame, ThinnedPointsAreSomeOfThemFromTheFirstOn) {
   }
 }
 
-}  // namespace
+}  // namespace plan_frame_test
 }  // namespace octant::survey

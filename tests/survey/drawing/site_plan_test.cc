@@ -13,7 +13,7 @@
 #include "tests/survey/report_input.h"
 
 namespace octant::survey {
-namespace {
+namespace site_plan_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -109,5 +109,5 @@ TEST(SitePlan, SideViewHasTheHeights) {
   EXPECT_THAT(elevation_svg({}), HasSubstr("</svg>"));
 }
 
-}  // namespace
+}  // namespace site_plan_test
 }  // namespace octant::survey

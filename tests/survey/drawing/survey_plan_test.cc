@@ -13,7 +13,7 @@
 #include "tests/survey/small_scene.h"
 
 namespace octant::survey {
-namespace {
+namespace survey_plan_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -94,5 +94,5 @@ TEST(SurveyPlan, AxesOfANationalGridAreRead) {
   EXPECT_THAT(svg, Not(HasSubstr("e+0")));
 }
 
-}  // namespace
+}  // namespace survey_plan_test
 }  // namespace octant::survey

@@ -15,7 +15,7 @@
 #include "tests/support/statistics.h"
 
 namespace octant::survey {
-namespace {
+namespace svg_chart_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -174,5 +174,5 @@ TEST(HistogramSvg, HasABarForEachBinThatHoldsSomething) {
   EXPECT_THAT(histogram_svg({}), Not(HasSubstr("nan")));
 }
 
-}  // namespace
+}  // namespace svg_chart_test
 }  // namespace octant::survey

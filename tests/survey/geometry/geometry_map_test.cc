@@ -12,7 +12,7 @@
 #include "tests/survey/brute_force.h"
 
 namespace octant::survey {
-namespace {
+namespace geometry_map_test {
 
 using test::brute_arrivals;
 using test::BruteArrival;
@@ -362,5 +362,5 @@ TEST(GeometryMap, ThreadsDoNotMatter) {
             evaluate_poses(model, poses, {.threads = 3})[kHdop]);
 }
 
-}  // namespace
+}  // namespace geometry_map_test
 }  // namespace octant::survey

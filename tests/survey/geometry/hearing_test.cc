@@ -14,7 +14,7 @@
 #include "tests/survey/halls.h"
 
 namespace octant::survey {
-namespace {
+namespace hearing_test {
 
 using test::must;
 
@@ -176,5 +176,5 @@ TEST(FloorSchedule, FarBeaconsShareASlot) {
   EXPECT_FALSE(floor_schedule(must(make_survey_model(hall.site, hall.scene)), hall.scene, {}));
 }
 
-}  // namespace
+}  // namespace hearing_test
 }  // namespace octant::survey

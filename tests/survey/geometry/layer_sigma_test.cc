@@ -13,7 +13,7 @@
 #include "survey/geometry/geometry_map.h"
 
 namespace octant::survey {
-namespace {
+namespace layer_sigma_test {
 
 constexpr std::size_t kStride = 40;
 
@@ -114,5 +114,5 @@ TEST(LayerSigma, SumsAreAddedEntryByEntry) {
   }
 }
 
-}  // namespace
+}  // namespace layer_sigma_test
 }  // namespace octant::survey

@@ -13,7 +13,7 @@
 #include "tests/survey/brute_force.h"
 
 namespace octant::survey {
-namespace {
+namespace map_tiles_test {
 
 SurveyModel model_of(const std::vector<Eigen::Vector3d>& levers) {
   SurveyModel model;
@@ -188,5 +188,5 @@ TEST(MapTiles, PatternsBecomeAnEdgeAndATable) {
   EXPECT_LT(kernel.beacons[3].least_cosine, -1.0) << "it looks nowhere";
 }
 
-}  // namespace
+}  // namespace map_tiles_test
 }  // namespace octant::survey

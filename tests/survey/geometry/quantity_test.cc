@@ -11,7 +11,7 @@
 #include "models/simulator/random.h"
 
 namespace octant::survey {
-namespace {
+namespace quantity_test {
 
 /// Number and unit of "2.41 mm".
 struct Read {
@@ -107,5 +107,5 @@ TEST(FigureText, IsAsPeopleReadIt) {
   EXPECT_EQ(figure_text(2500, ""), "2500");
 }
 
-}  // namespace
+}  // namespace quantity_test
 }  // namespace octant::survey

@@ -11,7 +11,7 @@
 #include "tests/survey/small_scene.h"
 
 namespace octant::survey {
-namespace {
+namespace scene_check_test {
 
 using ::testing::HasSubstr;
 
@@ -189,5 +189,5 @@ TEST(SceneCheck, BeaconsHangOnFacesAndAboveObstaclesNotWithin) {
   EXPECT_EQ(place_check(scene, {6, 4, 1}, 0.0).error().line, 12);
 }
 
-}  // namespace
+}  // namespace scene_check_test
 }  // namespace octant::survey

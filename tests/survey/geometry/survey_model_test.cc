@@ -13,7 +13,7 @@
 #include "tests/survey/small_scene.h"
 
 namespace octant::survey {
-namespace {
+namespace survey_model_test {
 
 using test::must;
 using test::small_site;
@@ -247,5 +247,5 @@ TEST(SurveyModel, WithoutBeaconsTheFloorMustBeDrawn) {
   EXPECT_THAT(none.error().message(), HasSubstr("the scene has no floor"));
 }
 
-}  // namespace
+}  // namespace survey_model_test
 }  // namespace octant::survey

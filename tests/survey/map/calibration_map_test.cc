@@ -15,7 +15,7 @@
 #include "tests/survey/small_scene.h"
 
 namespace octant::survey {
-namespace {
+namespace calibration_map_test {
 
 using test::must;
 
@@ -245,5 +245,5 @@ TEST(CalibrationMap, WithoutAFixThereIsNoPart) {
   EXPECT_GT(parts[2].xx_m2, 0.0);
 }
 
-}  // namespace
+}  // namespace calibration_map_test
 }  // namespace octant::survey

@@ -15,7 +15,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::survey {
-namespace {
+namespace floor_grid_test {
 
 using test::must;
 using ::testing::HasSubstr;
@@ -166,5 +166,5 @@ TEST(FloorGrid, ARouteOfWholeStepsHasNoneMore) {
   EXPECT_EQ(poses_along(route, 0.1).size(), 1U + 30U + 3U);
 }
 
-}  // namespace
+}  // namespace floor_grid_test
 }  // namespace octant::survey

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 namespace octant::survey {
-namespace {
+namespace floor_maps_test {
 
 TEST(FloorMaps, AreThoseThatMakeSense) {
   SurveyModel model;
@@ -52,5 +52,5 @@ TEST(FloorMaps, EachIsFoundByItsNumber) {
   for (const FloorMap& map : maps) EXPECT_EQ(map.values, std::vector<float>(4, kNoMapValue));
 }
 
-}  // namespace
+}  // namespace floor_maps_test
 }  // namespace octant::survey

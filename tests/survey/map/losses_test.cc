@@ -17,7 +17,7 @@
 #include "tests/survey/brute_force.h"
 
 namespace octant::survey {
-namespace {
+namespace losses_test {
 
 constexpr double kTolerance_m = 0.03;
 
@@ -216,5 +216,5 @@ TEST(Losses, NoneAtOnceIsNoAccount) {
   EXPECT_TRUE(account.losses.pairs(10).empty());
 }
 
-}  // namespace
+}  // namespace losses_test
 }  // namespace octant::survey

@@ -14,7 +14,7 @@
 #include "tests/survey/brute_force.h"
 
 namespace octant::survey {
-namespace {
+namespace paths_test {
 
 Eigen::Vector3d some_place(Random& draws, double size_m) {
   const Eigen::Vector3d p = size_m * draws.normal3();
@@ -148,5 +148,5 @@ TEST(Paths, AreThoseThatAreHeardOneByOne) {
   EXPECT_GT(possible, 4 * heard);
 }
 
-}  // namespace
+}  // namespace paths_test
 }  // namespace octant::survey

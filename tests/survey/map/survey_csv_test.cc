@@ -14,7 +14,7 @@
 #include "tests/survey/small_scene.h"
 
 namespace octant::survey {
-namespace {
+namespace survey_csv_test {
 
 using test::must;
 using Table = std::vector<std::vector<std::string>>;
@@ -129,5 +129,5 @@ TEST(SurveyCsv, WithoutRoutesThereIsNoTable) {
   EXPECT_EQ(routes_csv(s), "");
 }
 
-}  // namespace
+}  // namespace survey_csv_test
 }  // namespace octant::survey

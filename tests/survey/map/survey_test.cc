@@ -25,7 +25,7 @@
 #include "tests/survey/small_scene.h"
 
 namespace octant::survey {
-namespace {
+namespace survey_test {
 
 using test::must;
 using test::small_scene;
@@ -396,5 +396,5 @@ TEST(Survey, BadScenesNameTheElement) {
   error_of([](Scene& s) { s.mounts = {{.name = "m", .kind = SceneMount::Kind::kPole}}; }, "mount 'm'");
 }
 
-}  // namespace
+}  // namespace survey_test
 }  // namespace octant::survey

@@ -13,7 +13,7 @@
 #include "tests/survey/report_input.h"
 
 namespace octant::survey {
-namespace {
+namespace report_markdown_test {
 
 using ::testing::HasSubstr;
 
@@ -87,5 +87,5 @@ TEST(ReportMarkdown, EndsWithOneNewline) {
   EXPECT_FALSE(empty.ends_with("\n\n"));
 }
 
-}  // namespace
+}  // namespace report_markdown_test
 }  // namespace octant::survey

@@ -9,7 +9,7 @@
 #include "tests/survey/report_input.h"
 
 namespace octant::survey {
-namespace {
+namespace site_sheet_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -54,5 +54,5 @@ TEST(SiteSheet, NamesAreText) {
                               "4\u00a0mm"));
 }
 
-}  // namespace
+}  // namespace site_sheet_test
 }  // namespace octant::survey

@@ -15,7 +15,7 @@
 #include "tests/survey/small_scene.h"
 
 namespace octant::survey {
-namespace {
+namespace survey_page_test {
 
 using test::must;
 using test::small_scene;
@@ -161,5 +161,5 @@ TEST(SurveyPage, LivePlanHasWallsAndRoutesByName) {
   EXPECT_EQ(route["text"][0], "a &amp; b");
 }
 
-}  // namespace
+}  // namespace survey_page_test
 }  // namespace octant::survey

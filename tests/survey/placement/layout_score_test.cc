@@ -15,7 +15,7 @@
 #include "tests/survey/halls.h"
 
 namespace octant::survey {
-namespace {
+namespace layout_score_test {
 
 using test::must;
 
@@ -182,5 +182,5 @@ TEST(LayoutScore, FurtherPosesCount) {
   EXPECT_EQ(part.no_beacons().heard.size(), 30U);
 }
 
-}  // namespace
+}  // namespace layout_score_test
 }  // namespace octant::survey

@@ -13,7 +13,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::survey {
-namespace {
+namespace mounts_test {
 
 using test::must;
 
@@ -163,5 +163,5 @@ TEST(Mounts, NowhereToMountIsAnError) {
   }
 }
 
-}  // namespace
+}  // namespace mounts_test
 }  // namespace octant::survey

@@ -7,7 +7,7 @@
 #include "survey/placement/placement.h"
 
 namespace octant::survey {
-namespace {
+namespace placement_names_test {
 
 TEST(PlacementNames, AreThoseOfTheCommandLine) {
   EXPECT_EQ(placement_goal("worst"), PlacementGoal::kWorst);
@@ -27,5 +27,5 @@ TEST(PlacementNames, AreThoseOfTheCommandLine) {
   EXPECT_EQ(local_algorithm(""), std::nullopt);
 }
 
-}  // namespace
+}  // namespace placement_names_test
 }  // namespace octant::survey

@@ -13,7 +13,7 @@
 #include "tests/survey/halls.h"
 
 namespace octant::survey {
-namespace {
+namespace placement_search_test {
 
 using test::must;
 
@@ -178,5 +178,5 @@ TEST(PlacementSearch, StopsWhereOneHasHadEnough) {
   EXPECT_GE(found.layouts.size(), 1U) << "what there is";
 }
 
-}  // namespace
+}  // namespace placement_search_test
 }  // namespace octant::survey

@@ -17,7 +17,7 @@
 #include "tests/survey/halls.h"
 
 namespace octant::survey {
-namespace {
+namespace placement_test {
 
 using test::Hall;
 using test::must;
@@ -320,5 +320,5 @@ TEST(ProofSheet, EscapesNamesAndDrawsAPointForEachCoveredLayout) {
   EXPECT_EQ(count(placement_svg(sheet), "<circle"), 4U);
 }
 
-}  // namespace
+}  // namespace placement_test
 }  // namespace octant::survey

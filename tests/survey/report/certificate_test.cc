@@ -10,7 +10,7 @@
 #include "tests/survey/report_input.h"
 
 namespace octant::survey {
-namespace {
+namespace certificate_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -112,5 +112,5 @@ TEST(Certificate, HostileWordsStayWords) {
   EXPECT_THAT(html, HasSubstr("&lt;script"));
 }
 
-}  // namespace
+}  // namespace certificate_test
 }  // namespace octant::survey

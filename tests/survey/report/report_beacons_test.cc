@@ -14,7 +14,7 @@
 #include "tests/survey/report_input.h"
 
 namespace octant::survey {
-namespace {
+namespace report_beacons_test {
 
 using ::testing::HasSubstr;
 
@@ -172,5 +172,5 @@ TEST(ReportBeacons, WithoutAnyThereIsNothingToSay) {
   EXPECT_THAT(std::get<ReportText>(section->blocks[0]).text, HasSubstr("none of the 3 beacons"));
 }
 
-}  // namespace
+}  // namespace report_beacons_test
 }  // namespace octant::survey

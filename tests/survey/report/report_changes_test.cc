@@ -10,7 +10,7 @@
 #include "tests/survey/report_input.h"
 
 namespace octant::survey {
-namespace {
+namespace report_changes_test {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -150,5 +150,5 @@ TEST(ReportChanges, TellWhatIsSilentAndWhatAllDelaysShare) {
   EXPECT_THAT(steps, Not(Contains(HasSubstr("B1")))) << "each beacon is as it was";
 }
 
-}  // namespace
+}  // namespace report_changes_test
 }  // namespace octant::survey

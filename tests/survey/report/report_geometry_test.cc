@@ -11,7 +11,7 @@
 #include "tests/survey/report_input.h"
 
 namespace octant::survey {
-namespace {
+namespace report_geometry_test {
 
 /// Five beacons at 2.5 m round a calibrated square of 6 m, a vehicle with one receiver.
 ReportInput square_site() {
@@ -77,5 +77,5 @@ TEST(ReportGeometry, NothingToTellIsNoFault) {
   EXPECT_FALSE(report_html(two, {.interactive = false}).empty());
 }
 
-}  // namespace
+}  // namespace report_geometry_test
 }  // namespace octant::survey

@@ -11,7 +11,7 @@
 #include "tests/survey/report_input.h"
 
 namespace octant::survey {
-namespace {
+namespace report_loss_test {
 
 template <class Block>
 const Block* find(const ReportSection& section) {
@@ -91,5 +91,5 @@ TEST(ReportLoss, WithoutMapsThereIsATableAlone) {
   EXPECT_FALSE(loss_section(input));
 }
 
-}  // namespace
+}  // namespace report_loss_test
 }  // namespace octant::survey

@@ -9,7 +9,7 @@
 #include "tests/survey/report_input.h"
 
 namespace octant::survey {
-namespace {
+namespace report_next_test {
 
 using ::testing::Contains;
 using ::testing::ElementsAre;
@@ -141,5 +141,5 @@ TEST(ReportNext, IsANumberedList) {
   EXPECT_TRUE(std::get<ReportList>(section->blocks.at(0)).numbered);
 }
 
-}  // namespace
+}  // namespace report_next_test
 }  // namespace octant::survey

@@ -10,7 +10,7 @@
 #include "tests/survey/report_input.h"
 
 namespace octant::survey {
-namespace {
+namespace report_residuals_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -54,5 +54,5 @@ TEST(ReportResiduals, SayOfHowManyTheyAre) {
               HasSubstr("Of 500 of the 2000 arrivals, at even distances"));
 }
 
-}  // namespace
+}  // namespace report_residuals_test
 }  // namespace octant::survey

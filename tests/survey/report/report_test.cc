@@ -16,7 +16,7 @@
 #include "tests/survey/report_input.h"
 
 namespace octant::survey {
-namespace {
+namespace report_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -344,5 +344,5 @@ TEST(Report, PageIsMarkedUpForAllReaders) {
   EXPECT_EQ(count(html, "<input"), count(html, "<label"));
 }
 
-}  // namespace
+}  // namespace report_test
 }  // namespace octant::survey

@@ -13,7 +13,7 @@
 #include "models/simulator/random.h"
 
 namespace octant::survey {
-namespace {
+namespace schedule_test {
 
 /// A box of 12 x 8 x 4 m; amplitudes of Kleeman's prototype.
 Reverberance box() {
@@ -178,5 +178,5 @@ TEST(Schedule, GroupsAreSoundAndNeverFewerThanAClique) {
   }
 }
 
-}  // namespace
+}  // namespace schedule_test
 }  // namespace octant::survey

@@ -7,7 +7,7 @@
 #include "models/simulator/random.h"
 
 namespace octant::survey {
-namespace {
+namespace site_trend_test {
 
 constexpr double kMonth = 30.0 * 86400.0;
 
@@ -123,5 +123,5 @@ TEST(SiteTrend, NothingAndOneVisit) {
   EXPECT_EQ(alarms(one), 0u);
 }
 
-}  // namespace
+}  // namespace site_trend_test
 }  // namespace octant::survey

@@ -10,7 +10,7 @@
 #include "models/watch/cusum.h"
 
 namespace octant::survey {
-namespace {
+namespace trend_test {
 
 constexpr double kMonth = 30.0 * 86400.0;
 
@@ -158,5 +158,5 @@ TEST(ControlChart, OneVisitOrNoneIsNoTrend) {
   EXPECT_FALSE(one.points[0].foretold);
 }
 
-}  // namespace
+}  // namespace trend_test
 }  // namespace octant::survey

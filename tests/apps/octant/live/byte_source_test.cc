@@ -21,7 +21,7 @@
 #include "io/text/open_file.h"
 
 namespace octant::app {
-namespace {
+namespace byte_source_test {
 
 using Event = ByteSource::Event;
 using io::Descriptor;
@@ -179,5 +179,5 @@ TEST(ByteSource, APortThatSomebodyHasIsSaidToBe) {
   EXPECT_THAT(error_of("tcp:" + std::to_string(port_of(*first))), HasSubstr("Address already in use"));
 }
 
-}  // namespace
+}  // namespace byte_source_test
 }  // namespace octant::app

@@ -9,7 +9,7 @@
 #include "apps/octant/text/layout.h"
 
 namespace octant::app {
-namespace {
+namespace layout_test {
 
 std::vector<std::string> words_of(const std::string& text) {
   std::vector<std::string> words;
@@ -70,9 +70,9 @@ TEST(NamedLine, BeginsBehindItsName) {
                       std::string(30, 'b') + "\n");
 }
 
-}  // namespace
+}  // namespace layout_test
 
-namespace {
+namespace layout_test {
 
 TEST(Table, ColumnsAreAsWideAsTheirWidestCell) {
   const Table table{"lr", {{"beacon", "x [m]"}, {"B1", "10.25"}, {"Süd-Ost", "-3"}}};
@@ -94,6 +94,6 @@ TEST(Table, RowsMayBeShortOrTooLong) {
   EXPECT_EQ(Table{}.text(), "");
 }
 
-}  // namespace
+}  // namespace layout_test
 
 }  // namespace octant::app

@@ -12,7 +12,7 @@
 #include "tests/survey/report_input.h"
 
 namespace octant::app {
-namespace {
+namespace report_json_test {
 
 using octant::test::must;
 using survey::full_report;
@@ -109,5 +109,5 @@ TEST(ReportJson, OnlyAReportCallsItselfOne) {
     EXPECT_FALSE(is_saved_report(other)) << other;
 }
 
-}  // namespace
+}  // namespace report_json_test
 }  // namespace octant::app

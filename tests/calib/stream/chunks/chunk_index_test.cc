@@ -13,7 +13,7 @@
 #include "tests/calib/memory_source.h"
 
 namespace octant::test {
-namespace {
+namespace chunk_index_test {
 
 using Key = std::pair<std::int32_t, std::int64_t>;  // vehicle, epoch
 
@@ -181,5 +181,5 @@ TEST(LogPart, IsThatOfTheWholeLog) {
   EXPECT_LT(part.runs[0].arrivals.size(), run.arrivals.size());
 }
 
-}  // namespace
+}  // namespace chunk_index_test
 }  // namespace octant::test

@@ -12,7 +12,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace state_bearings_test {
 
 /// Numbers in the run of the bearings that a trajectory carries.
 std::set<std::size_t> carried(const Trajectory& t) {
@@ -82,5 +82,5 @@ TEST(StateBearings, OfStopsGoByEpochAndOfTiedStopsAllAreNeeded) {
             Numbers{});
 }
 
-}  // namespace
+}  // namespace state_bearings_test
 }  // namespace octant::test

@@ -13,7 +13,7 @@
 #include "tests/calib/stream/share_of_ranks.h"
 
 namespace octant::test {
-namespace {
+namespace drive_passes_test {
 
 World long_drive(int seed, double echoes = 0.02, double duration_s = 500.0) {
   Scenario s = drive_scenario(duration_s);
@@ -172,5 +172,5 @@ TEST(DrivePasses, RanksReadTheirPiecesAndAgree) {
   expect_ranks_to_share_and_agree(world, kFewStates, {2, 3}, in_sigmas, 1e-6);
 }
 
-}  // namespace
+}  // namespace drive_passes_test
 }  // namespace octant::test

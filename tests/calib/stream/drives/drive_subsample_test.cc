@@ -10,7 +10,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace drive_subsample_test {
 
 /// The part of a run that is not in memory, compared with the selection of subsample().
 void expect_the_part_of_thin(const Site& site, const MeasurementLog& run) {
@@ -60,5 +60,5 @@ TEST(DrivePart, MayBeOfADriveByAMotionPrior) {
   expect_the_part_of_thin(s.site, run);
 }
 
-}  // namespace
+}  // namespace drive_subsample_test
 }  // namespace octant::test

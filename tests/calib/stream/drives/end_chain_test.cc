@@ -13,7 +13,7 @@
 #include "models/simulator/random.h"
 
 namespace octant::test {
-namespace {
+namespace end_chain_test {
 
 /// Pieces of a drive as quadratic forms of parameters, left end and right end.
 struct Pieces {
@@ -125,5 +125,5 @@ TEST(EndChain, AnEndThatNothingObservesLeavesNumbers) {
   for (const NodeVector& step : all.joined().steps(Eigen::VectorXd::Ones(3))) EXPECT_EQ(step.norm(), 0.0);
 }
 
-}  // namespace
+}  // namespace end_chain_test
 }  // namespace octant::test

@@ -13,7 +13,7 @@
 #include "tests/support/statistics.h"
 
 namespace octant {
-namespace {
+namespace binaural_test {
 
 using test::arrival;
 using test::exchange;
@@ -343,5 +343,5 @@ TEST(Binaural, AllocatesNothing) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-}  // namespace
+}  // namespace binaural_test
 }  // namespace octant

@@ -11,7 +11,7 @@
 #include "tests/models/localizers/drive_world.h"
 
 namespace octant::test {
-namespace {
+namespace chain_calibration_test {
 
 constexpr std::uint64_t kCalibrationSeed = 416;
 constexpr double kPairSigma_s = 4e-6;
@@ -117,5 +117,5 @@ TEST(ChainCalibration, ANodeFollowsAnErrorAsTheDenseSolutionDoes) {
   EXPECT_LT((out.by_pair + rows * w.g).norm(), 1e-6 * out.by_pair.norm());
 }
 
-}  // namespace
+}  // namespace chain_calibration_test
 }  // namespace octant::test

@@ -11,7 +11,7 @@
 #include "tests/models/localizers/drive_world.h"
 
 namespace octant::test {
-namespace {
+namespace chain_factor_test {
 
 TEST(ChainFactor, SolvesAsTheDenseMatrixDoes) {
   const Deployment d = with_octagon(hall());
@@ -48,5 +48,5 @@ TEST(ChainFactor, SolvesAsTheDenseMatrixDoes) {
   EXPECT_FALSE(factor_chain(t, t.segments[0], model.state).ok);
 }
 
-}  // namespace
+}  // namespace chain_factor_test
 }  // namespace octant::test

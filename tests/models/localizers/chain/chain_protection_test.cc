@@ -12,7 +12,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace chain_protection_test {
 
 constexpr TrackerOptions kProtected{.protect = true};
 
@@ -89,5 +89,5 @@ TEST(ChainProtection, NoLevelWhereADriveHangsOnOneBeacon) {
   for (const Fix& fix : track(world.heldout, world.truth, kProtected)) EXPECT_EQ(fix.protection_level_m, 0.0);
 }
 
-}  // namespace
+}  // namespace chain_protection_test
 }  // namespace octant::test

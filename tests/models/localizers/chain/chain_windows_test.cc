@@ -14,7 +14,7 @@
 #include "tests/models/localizers/drive_world.h"
 
 namespace octant::test {
-namespace {
+namespace chain_windows_test {
 
 // A condition of 1e8 (short odometry steps) leaves eight digits.
 constexpr double kDigits = 1e-6;
@@ -128,5 +128,5 @@ TEST(ChainWindows, InstantsBelongToOneWindow) {
   EXPECT_EQ(seen, (std::vector<std::size_t>{2, 3}));
 }
 
-}  // namespace
+}  // namespace chain_windows_test
 }  // namespace octant::test

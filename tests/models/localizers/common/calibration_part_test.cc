@@ -16,7 +16,7 @@
 #include "tests/support/numeric.h"
 
 namespace octant::test {
-namespace {
+namespace calibration_part_test {
 
 /// A stop of a vehicle with three receivers, solved; of its beacons, delays and the speed little is known.
 struct Stop {
@@ -135,5 +135,5 @@ TEST(CalibrationPart, LeavesAPositiveCovarianceWhereNearlyAllCancels) {
   EXPECT_GT(P(2, 2), 1e6) << "the heading turns with the map";
 }
 
-}  // namespace
+}  // namespace calibration_part_test
 }  // namespace octant::test

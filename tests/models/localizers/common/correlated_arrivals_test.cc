@@ -11,7 +11,7 @@
 #include "models/simulator/random.h"
 
 namespace octant::test {
-namespace {
+namespace correlated_arrivals_test {
 
 /// Arrivals of three pairs at uneven times, some left out, behind some of another segment.
 Trajectory any_arrivals(Random& draws) {
@@ -159,5 +159,5 @@ TEST(CorrelatedNoise, TakesTheLargerBiasOfPairsAndAddsAllForOneArrival) {
   EXPECT_EQ(correlated_noise(d).pair_sigma_s, 1e-6);
 }
 
-}  // namespace
+}  // namespace correlated_arrivals_test
 }  // namespace octant::test

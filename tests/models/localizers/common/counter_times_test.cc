@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace octant {
-namespace {
+namespace counter_times_test {
 
 TEST(CounterTimes, OneTickOf20MhzIs50Nanoseconds) {
   EXPECT_DOUBLE_EQ(counter_time_s(1), 50e-9);  // eq. 1; the paper prints 0.000000005
@@ -29,5 +29,5 @@ TEST(CounterTimes, MeanOfFourLeavesTheOddOneOut) {
   EXPECT_DOUBLE_EQ(mean_of_agreeing(one, 0.0).mean, 3.0);
 }
 
-}  // namespace
+}  // namespace counter_times_test
 }  // namespace octant

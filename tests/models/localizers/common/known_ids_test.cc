@@ -28,7 +28,7 @@
 #include "tests/models/localizers/hall.h"
 
 namespace octant::test {
-namespace {
+namespace known_ids_test {
 
 /// A hall in which every method can work: eight beacons, a vehicle with a receiver at each end, on a rail.
 Deployment hall_for_all() {
@@ -226,5 +226,5 @@ TEST(KnownIds, AWholeDriveIsFixedOnBesideImpossibleNumbers) {
   }
 }
 
-}  // namespace
+}  // namespace known_ids_test
 }  // namespace octant::test

@@ -7,7 +7,7 @@
 #include "tests/models/localizers/ranging_support.h"
 
 namespace octant::test {
-namespace {
+namespace pair_ranges_test {
 
 constexpr double kC = 343.7, kPairNoise_s = 1e-5;
 
@@ -88,5 +88,5 @@ TEST(PairRanges, AFixBeginsBlankAndEndsCounted) {
   EXPECT_TRUE(fix.rejections.empty());
 }
 
-}  // namespace
+}  // namespace pair_ranges_test
 }  // namespace octant::test

@@ -15,7 +15,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace protection_test {
 
 Scenario many_stops() {
   Scenario s = hall_scenario();
@@ -196,5 +196,5 @@ TEST(Protection, TwoBeaconsCannotWatchEachOther) {
         << fix.epoch << " " << fix.protection_level_m;
 }
 
-}  // namespace
+}  // namespace protection_test
 }  // namespace octant::test

@@ -12,7 +12,7 @@
 #include "tests/models/localizers/ranging_support.h"
 
 namespace octant {
-namespace {
+namespace range_gates_test {
 
 constexpr double kSpeed = 340.0;
 constexpr RangeGates kGates{.min_m = 0.5, .max_m = 8.0};
@@ -147,5 +147,5 @@ TEST(PairRanges, AllocatesNothingAndKeepsTheOrderOfReasons) {
                                      Rejection::kNoPose}));
 }
 
-}  // namespace
+}  // namespace range_gates_test
 }  // namespace octant

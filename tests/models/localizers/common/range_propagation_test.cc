@@ -13,7 +13,7 @@
 #include "tests/models/localizers/hall.h"
 
 namespace octant::test {
-namespace {
+namespace range_propagation_test {
 
 /// A hall in which no parameter is exact, and some ranges of a method that converts them to a pose.
 struct Method {
@@ -172,5 +172,5 @@ TEST(SightOf, IsFromBeaconToReceiverAndUpwardsWhereTheyMeet) {
   EXPECT_EQ(none.direction, Eigen::Vector3d(0, 0, 1));
 }
 
-}  // namespace
+}  // namespace range_propagation_test
 }  // namespace octant::test

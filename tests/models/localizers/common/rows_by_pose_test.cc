@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace octant {
-namespace {
+namespace rows_by_pose_test {
 
 std::vector<Arrival> arrivals_at(const std::vector<double>& times_s) {
   std::vector<Arrival> arrivals;
@@ -42,5 +42,5 @@ TEST(RowsByPose, EpochsAreOfOneVehicle) {
   EXPECT_DOUBLE_EQ(middle_time_s(rows.pose(0)), 1.0);
 }
 
-}  // namespace
+}  // namespace rows_by_pose_test
 }  // namespace octant

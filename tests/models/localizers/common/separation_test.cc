@@ -10,7 +10,7 @@
 #include "models/simulator/random.h"
 
 namespace octant {
-namespace {
+namespace separation_test {
 
 /// A linear problem of three unknowns: four rows of each of five beacons, two that are no beacon's.
 struct LinearProblem {
@@ -98,5 +98,5 @@ TEST(BeaconSums, NoLevelOnABeaconThatTheFixHangsOnNorOnOneAtFault) {
   EXPECT_EQ(one.separations().size(), 0u);
 }
 
-}  // namespace
+}  // namespace separation_test
 }  // namespace octant

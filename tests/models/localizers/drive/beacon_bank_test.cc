@@ -15,7 +15,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace beacon_bank_test {
 
 /// The hall with beacons at all heights, flown through.
 Scenario flight_among_all_heights(double duration_s) {
@@ -196,5 +196,5 @@ TEST(BeaconBank, NoneIsWantedNoneIsGiven) {
   EXPECT_GT(leveled, 100);
 }
 
-}  // namespace
+}  // namespace beacon_bank_test
 }  // namespace octant::test

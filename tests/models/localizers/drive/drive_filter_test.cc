@@ -15,7 +15,7 @@
 #include "tests/support/numeric.h"
 
 namespace octant::test {
-namespace {
+namespace drive_filter_test {
 
 const Pose kTruth = Pose::planar(7.0, 5.0, 0.6);
 
@@ -268,5 +268,5 @@ TEST(DriveFilter, TakesOverWhatAnotherHolds) {
   EXPECT_EQ(a.covariance(), b.covariance());
 }
 
-}  // namespace
+}  // namespace drive_filter_test
 }  // namespace octant::test

@@ -13,7 +13,7 @@
 
 // The filter that the tracker runs, in the plane and in space.
 namespace octant {
-namespace {
+namespace drive_tracker_test {
 
 using test::hall;
 using test::with_octagon;
@@ -168,5 +168,5 @@ TEST(DriveFilterOf, LeavesOutWhatIsBeyondTheGateAndIsLostByMuchOfIt) {
   expect_gate<6>();
 }
 
-}  // namespace
+}  // namespace drive_tracker_test
 }  // namespace octant

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace octant {
-namespace {
+namespace loss_test_test {
 
 /// A ping of four arrivals.
 void ping(LossTest& test, int k, bool fits) {
@@ -54,5 +54,5 @@ TEST(LossTest, OneEchoInTenIsNoLoss) {
   EXPECT_LE(lost, 2);
 }
 
-}  // namespace
+}  // namespace loss_test_test
 }  // namespace octant

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace octant {
-namespace {
+namespace odometry_queue_test {
 
 constexpr double kRow_s = 0.1, kSpeed_mps = 0.5;
 
@@ -109,5 +109,5 @@ TEST(OdometryQueue, GoesBackAndForthAlongWhatItRemembers) {
   EXPECT_NEAR(forward_m, 0.28 * kSpeed_mps, 1e-9);
 }
 
-}  // namespace
+}  // namespace odometry_queue_test
 }  // namespace octant

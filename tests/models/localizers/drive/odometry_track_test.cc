@@ -12,7 +12,7 @@
 #include "tests/support/numeric.h"
 
 namespace octant::test {
-namespace {
+namespace odometry_track_test {
 
 std::vector<OdometryStep> any_steps(std::size_t count, Random& draws) {
   std::vector<OdometryStep> steps(count);
@@ -103,5 +103,5 @@ TEST(OdometryCursor, GivesNothingForAnInstantThatIsPast) {
   EXPECT_EQ(calls, 4);
 }
 
-}  // namespace
+}  // namespace odometry_track_test
 }  // namespace octant::test

@@ -17,7 +17,7 @@
 #include "tests/models/localizers/hall.h"
 
 namespace octant::test {
-namespace {
+namespace ping_test {
 
 const Pose kTruth = Pose::planar(7.0, 5.0, 0.6);
 constexpr double kSpeed_mps = 343.7, kEchoShare = 0.1;
@@ -115,5 +115,5 @@ TEST(Ping, OfAnUncertainPoseLeavesAnHonestCovariance) {
   EXPECT_LT(nees, 1.5);
 }
 
-}  // namespace
+}  // namespace ping_test
 }  // namespace octant::test

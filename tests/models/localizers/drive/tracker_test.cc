@@ -16,7 +16,7 @@
 #include "tests/support/allocation_count.h"
 
 namespace octant {
-namespace {
+namespace tracker_test {
 
 using test::drive;
 using test::Drive;
@@ -225,5 +225,5 @@ TEST(DriveTracker, BeginsWhereItIsTold) {
   EXPECT_LT(std::sqrt(sum2 / count), 0.008);  // as CausalFixesUseOnlyThePast
 }
 
-}  // namespace
+}  // namespace tracker_test
 }  // namespace octant

@@ -12,7 +12,7 @@
 #include "tests/support/statistics.h"
 
 namespace octant {
-namespace {
+namespace head_tail_test {
 
 using test::hear;
 using Point = Eigen::Vector2d;
@@ -342,5 +342,5 @@ TEST(HeadTail, SaysWhatADeploymentLacks) {
   EXPECT_NE(words(d).find("synchronised"), std::string::npos);
 }
 
-}  // namespace
+}  // namespace head_tail_test
 }  // namespace octant

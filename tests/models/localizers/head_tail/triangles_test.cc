@@ -19,7 +19,7 @@
 #include "models/changes/chi_square.h"
 
 namespace octant {
-namespace {
+namespace triangles_test {
 
 using Point = Eigen::Vector2d;
 
@@ -245,5 +245,5 @@ TEST(TriangleSolver, TwoStationsAgainstTwoAreAContradiction) {
   EXPECT_EQ(solver.solve(std::span(stations).first(1)), TriangleStatus::kTooFew);
 }
 
-}  // namespace
+}  // namespace triangles_test
 }  // namespace octant

@@ -13,7 +13,7 @@
 #include "tests/models/localizers/kleeman_room.h"
 
 namespace octant {
-namespace {
+namespace kleeman_heading_test {
 
 using test::add_echoes;
 using test::anywhere;
@@ -300,5 +300,5 @@ TEST(KleemanHeading, NoneAllocates) {
   }
 }
 
-}  // namespace
+}  // namespace kleeman_heading_test
 }  // namespace octant

@@ -11,7 +11,7 @@
 #include "tests/models/localizers/kleeman_room.h"
 
 namespace octant {
-namespace {
+namespace kleeman_longsolve_test {
 
 constexpr double kSigma_m = 3.45e-3;  // 10 us
 
@@ -281,5 +281,5 @@ TEST(Longsolve, ThreeBeaconsMayBeAmbiguous) {
   EXPECT_EQ(inside, 300);
 }
 
-}  // namespace
+}  // namespace kleeman_longsolve_test
 }  // namespace octant

@@ -10,7 +10,7 @@
 #include "models/simulator/random.h"
 
 namespace octant::test {
-namespace {
+namespace kleeman_schedule_test {
 
 // L. Kleeman, section 2: six beacons 150 ms apart make a cycle of 0.9 s.
 TEST(FiringSchedule, OfThePrototypeIsNineTenthsOfASecond) {
@@ -50,5 +50,5 @@ RC_GTEST_PROP(ShortestFire, IsWhenAnEchoSinksBelowTheThreshold, ()) {
   RC_ASSERT(echo_v(d, 1.01 * fire_s) < d.threshold_v);
 }
 
-}  // namespace
+}  // namespace kleeman_schedule_test
 }  // namespace octant::test

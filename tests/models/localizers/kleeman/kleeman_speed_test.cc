@@ -12,7 +12,7 @@
 #include "tests/support/statistics.h"
 
 namespace octant {
-namespace {
+namespace kleeman_speed_test {
 
 using test::error_of;
 using test::hear;
@@ -80,5 +80,5 @@ TEST(KleemanSpeed, IsNotDeterminedFromTheMiddleOfARing) {
   EXPECT_FALSE(estimate_run_speed(d, cycle).determined);
 }
 
-}  // namespace
+}  // namespace kleeman_speed_test
 }  // namespace octant

@@ -16,7 +16,7 @@
 #include "tests/support/allocation_count.h"
 
 namespace octant {
-namespace {
+namespace kleeman_sync_test {
 
 constexpr double kSpeed_mps = 345.0;
 
@@ -243,5 +243,5 @@ TEST(PulseSync, PushAllocatesNothing) {
   EXPECT_GT(arrivals, 60u);
 }
 
-}  // namespace
+}  // namespace kleeman_sync_test
 }  // namespace octant

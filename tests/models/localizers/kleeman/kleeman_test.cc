@@ -13,7 +13,7 @@
 #include "tests/support/statistics.h"
 
 namespace octant {
-namespace {
+namespace kleeman_test {
 
 using test::add_echoes;
 using test::anywhere;
@@ -367,5 +367,5 @@ TEST(Kleeman, ABeaconThatIsJustHeardDoesNotSpoilTheFix) {
   EXPECT_NEAR(normalised / fixes, 1.0, 0.2);
 }
 
-}  // namespace
+}  // namespace kleeman_test
 }  // namespace octant

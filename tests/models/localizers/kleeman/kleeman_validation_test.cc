@@ -10,7 +10,7 @@
 #include "models/simulator/random.h"
 
 namespace octant::test {
-namespace {
+namespace kleeman_validation_test {
 
 /// Beacons in a room, and their true distances from a place, all longer by the same.
 struct Heard {
@@ -81,5 +81,5 @@ TEST(TriangleViolations, OfWhatWasNotHeardAreNone) {
   EXPECT_TRUE(triangle_violations(OffsetDistances(), {}, 3.0).none());
 }
 
-}  // namespace
+}  // namespace kleeman_validation_test
 }  // namespace octant::test

@@ -14,7 +14,7 @@
 #include "tests/models/localizers/least_squares/search_world.h"
 
 namespace octant {
-namespace {
+namespace candidates_test {
 
 /// Far apart, so that no candidates are merged: the list is the start of the sorted scores.
 TEST(Candidates, TopListIsTheBestOfAll) {
@@ -196,5 +196,5 @@ TEST(Candidates, SearchFindsTheCycleOffsetToo) {
   EXPECT_GE(found, 28);
 }
 
-}  // namespace
+}  // namespace candidates_test
 }  // namespace octant

@@ -11,7 +11,7 @@
 #include "tests/models/localizers/least_squares/search_world.h"
 
 namespace octant {
-namespace {
+namespace consensus_test {
 
 constexpr double kSigmaM = 0.01, kSpanM = 15.0;
 
@@ -144,5 +144,5 @@ TEST(Consensus, BestOffsetIsAMedianThatEchoesDoNotPull) {
   EXPECT_NEAR(consensus.best_offset({4.0, 3.0, 0.7, 0.0}), truth.offset_m, 1e-9);
 }
 
-}  // namespace
+}  // namespace consensus_test
 }  // namespace octant

@@ -10,7 +10,7 @@
 #include "tests/models/localizers/hall.h"
 
 namespace octant {
-namespace {
+namespace direct_fix_test {
 
 using test::hall;
 using test::hear;
@@ -162,5 +162,5 @@ TEST(DirectFix, BeaconsInLineAreNotBeyondDoubt) {
     Both(d, hear(d, random_pose(random), {.noise_s = 1e-5}, random)).expect_alike(k);
 }
 
-}  // namespace
+}  // namespace direct_fix_test
 }  // namespace octant

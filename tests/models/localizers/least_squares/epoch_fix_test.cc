@@ -13,7 +13,7 @@
 #include "tests/support/statistics.h"
 
 namespace octant {
-namespace {
+namespace epoch_fix_test {
 
 using test::hall;
 using test::hear;
@@ -335,5 +335,5 @@ RC_GTEST_PROP(EpochFixProperty, DoesNotDependOnTheOrderOfRows, ()) {
   RC_ASSERT(first.arrivals_used == second.arrivals_used);
 }
 
-}  // namespace
+}  // namespace epoch_fix_test
 }  // namespace octant

@@ -11,7 +11,7 @@
 #include "tests/support/statistics.h"
 
 namespace octant {
-namespace {
+namespace hyperbolic_fix_test {
 
 using Three = std::array<PlanBeacon, 3>;
 
@@ -164,5 +164,5 @@ TEST(HyperbolicFix, DistancesThatNoPlaceHasDoNotConverge) {
   EXPECT_TRUE(fix.p_map_m.allFinite());
 }
 
-}  // namespace
+}  // namespace hyperbolic_fix_test
 }  // namespace octant

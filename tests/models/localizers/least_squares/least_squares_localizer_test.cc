@@ -12,7 +12,7 @@
 #include "tests/support/allocation_count.h"
 
 namespace octant {
-namespace {
+namespace least_squares_localizer_test {
 
 using test::hall;
 using test::hear;
@@ -119,5 +119,5 @@ TEST(LeastSquaresLocalizer, ConvergesWithResidualsAsLargeAsTheDistances) {
   EXPECT_LE(not_converged, 2);
 }
 
-}  // namespace
+}  // namespace least_squares_localizer_test
 }  // namespace octant

@@ -10,7 +10,7 @@
 #include "tests/models/localizers/hall.h"
 
 namespace octant::test {
-namespace {
+namespace linear_ranges_test {
 
 Trajectory stop_of(const Deployment& d, const std::vector<Arrival>& arrivals) {
   MeasurementLog log;
@@ -88,5 +88,5 @@ TEST(LinearRanges, DetoursAreLongerThanTheOtherReceiverAllows) {
     EXPECT_EQ(t.arrivals[i].rejection, i == 4 ? Rejection::kTriangle : Rejection::kUsed) << i;
 }
 
-}  // namespace
+}  // namespace linear_ranges_test
 }  // namespace octant::test

@@ -12,7 +12,7 @@
 #include "tests/models/localizers/hall.h"
 
 namespace octant {
-namespace {
+namespace node_adjustment_test {
 
 using test::hall;
 using test::hear;
@@ -151,5 +151,5 @@ TEST(AdjustAndReject, GivesArrivalsBeyondTwoSigmasLessWeightWhereTheNoiseIsNotWh
             0.6 * error_with_a_late_arrival_m({}));
 }
 
-}  // namespace
+}  // namespace node_adjustment_test
 }  // namespace octant

@@ -13,7 +13,7 @@
 #include "tests/models/localizers/least_squares/search_world.h"
 
 namespace octant {
-namespace {
+namespace pair_places_test {
 
 constexpr double kSigmaM = 0.004;
 constexpr int kHeadings = 8;
@@ -110,5 +110,5 @@ TEST(PairPlaces, TheBoundLeavesFewPlaces) {
     EXPECT_LT(std::hypot(place.x_m - truth.x_m, place.y_m - truth.y_m), place.reach_m);
 }
 
-}  // namespace
+}  // namespace pair_places_test
 }  // namespace octant

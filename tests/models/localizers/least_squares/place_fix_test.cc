@@ -12,7 +12,7 @@
 #include "models/simulator/random.h"
 
 namespace octant {
-namespace {
+namespace place_fix_test {
 
 constexpr double kSpeed_mps = 340.0, kSigma_m = 0.03;
 
@@ -156,5 +156,5 @@ TEST(PlaceFix, ThreeReceiversOffOneLineGiveAPose) {
   EXPECT_FALSE(has_open_attitude(localizer.locate(heard_at(d, somewhere(random), random))));
 }
 
-}  // namespace
+}  // namespace place_fix_test
 }  // namespace octant

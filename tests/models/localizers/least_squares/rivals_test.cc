@@ -14,7 +14,7 @@
 #include "tests/models/localizers/least_squares/search_world.h"
 
 namespace octant {
-namespace {
+namespace rivals_test {
 
 constexpr double kSigmaM = 0.004;
 
@@ -211,5 +211,5 @@ TEST(Rivals, WhicheverBeaconsTheOutliersAreOfAPairIsWithout) {
   }
 }
 
-}  // namespace
+}  // namespace rivals_test
 }  // namespace octant

@@ -14,7 +14,7 @@
 #include "tests/models/localizers/exact_drive.h"
 
 namespace octant::test {
-namespace {
+namespace search_problem_test {
 
 const Pose kTruth = Pose::planar(7.0, 5.0, 0.6);
 
@@ -124,5 +124,5 @@ TEST(SearchProblem, OfADriveIsThatOfItsAnchor) {
   }
 }
 
-}  // namespace
+}  // namespace search_problem_test
 }  // namespace octant::test

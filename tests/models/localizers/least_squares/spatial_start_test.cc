@@ -10,7 +10,7 @@
 #include "models/simulator/random.h"
 
 namespace octant::test {
-namespace {
+namespace spatial_start_test {
 
 SearchProblem ranges_of(const std::vector<Eigen::Vector3d>& beacons, const Eigen::Vector3d& p,
                         double offset_m = 0.0) {
@@ -111,5 +111,5 @@ TEST(Differs, ByADistanceOrATenthOfARadian) {
   EXPECT_FALSE(differs(a, Pose::planar(1, 2, 0.5 + 2 * M_PI), 0.1));
 }
 
-}  // namespace
+}  // namespace spatial_start_test
 }  // namespace octant::test

@@ -14,7 +14,7 @@
 #include "tests/support/statistics.h"
 
 namespace octant {
-namespace {
+namespace line_map_test {
 
 using test::range_to;
 using test::scan_of;
@@ -311,5 +311,5 @@ TEST(LineMap, WithoutAStartThereIsNoFix) {
   EXPECT_EQ(fix.status, FixStatus::kPoorGeometry);
 }
 
-}  // namespace
+}  // namespace line_map_test
 }  // namespace octant

@@ -14,7 +14,7 @@
 #include "tests/support/numeric.h"
 
 namespace octant::test {
-namespace {
+namespace line_matching_test {
 
 /// Points of a wall as seen from a pose, evenly from end to end.
 std::vector<Eigen::Vector2d> seen(const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Pose& T,
@@ -171,5 +171,5 @@ TEST(MatchWalls, OfWaysNoTwoAreTheSame) {
     for (std::size_t j = 0; j < i; ++j) EXPECT_NE(all[i].wall, all[j].wall);
 }
 
-}  // namespace
+}  // namespace line_matching_test
 }  // namespace octant::test

@@ -17,7 +17,7 @@
 #include "tests/models/localizers/walls.h"
 
 namespace octant {
-namespace {
+namespace scan_lines_test {
 
 using test::scan_of;
 using test::Wall;
@@ -154,5 +154,5 @@ TEST(Odometry, CovarianceIsConsistent) {
   EXPECT_NEAR(sum / (3 * kRuns), 1.0, 4 * std::sqrt(2.0 / (3 * kRuns)));
 }
 
-}  // namespace
+}  // namespace scan_lines_test
 }  // namespace octant

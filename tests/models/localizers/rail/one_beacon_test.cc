@@ -12,7 +12,7 @@
 #include "tests/support/statistics.h"
 
 namespace octant {
-namespace {
+namespace one_beacon_test {
 
 using Point = Eigen::Vector2d;
 
@@ -330,5 +330,5 @@ TEST(OneBeacon, SaysWhatADeploymentLacks) {
             std::string::npos);
 }
 
-}  // namespace
+}  // namespace one_beacon_test
 }  // namespace octant

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 namespace octant {
-namespace {
+namespace rail_path_test {
 
 /// Rounding of ranges and places of some tens of metres, magnified where a range hardly changes with the
 /// place (a hundred times).
@@ -53,5 +53,5 @@ TEST(RailPlaces, AreAtTheRange) {
       << "above the centre all places are equally far";
 }
 
-}  // namespace
+}  // namespace rail_path_test
 }  // namespace octant

@@ -14,7 +14,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant {
-namespace {
+namespace rail_test {
 
 using Point = Eigen::Vector2d;
 
@@ -337,5 +337,5 @@ TEST(Figure7, NoGrossFaultAlongTheGreenhouse) {
   }
 }
 
-}  // namespace
+}  // namespace rail_test
 }  // namespace octant

@@ -14,7 +14,7 @@
 #include "tests/support/statistics.h"
 
 namespace octant {
-namespace {
+namespace reflectors_test {
 
 constexpr std::uint64_t kSeed = 2015;
 constexpr double kSigma = 0.002;  // rad, a laser scanner's
@@ -268,5 +268,5 @@ TEST(Reflectors, AllocatesNothing) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-}  // namespace
+}  // namespace reflectors_test
 }  // namespace octant

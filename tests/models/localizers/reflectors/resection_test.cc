@@ -12,7 +12,7 @@
 #include "models/simulator/random.h"
 
 namespace octant {
-namespace {
+namespace resection_test {
 
 using Points = std::array<Eigen::Vector2d, 3>;
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -126,5 +126,5 @@ TEST(Resection, FindsNothingWhereThereIsNothing) {
   EXPECT_FALSE(resect(p, sights({std::nan(""), 0.0, 1.0})));
 }
 
-}  // namespace
+}  // namespace resection_test
 }  // namespace octant

@@ -13,7 +13,7 @@
 #include "models/simulator/random.h"
 
 namespace octant {
-namespace {
+namespace space_filter_test {
 
 constexpr double kSpeed_mps = 340.0, kSigma_m = 0.02, kPeriod_s = 0.1;
 const std::vector<Eigen::Vector3d> kHall = {{0, 0, 0.3}, {10, 0, 4.0}, {10, 8, 0.5},
@@ -82,5 +82,5 @@ TEST(SpaceFilter, APathThatIsLateAtFirstDoesNotMisleadTheStart) {
         << "seed " << seed;
 }
 
-}  // namespace
+}  // namespace space_filter_test
 }  // namespace octant

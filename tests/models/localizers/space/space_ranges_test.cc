@@ -14,7 +14,7 @@
 #include "tests/models/localizers/hall.h"
 
 namespace octant::test {
-namespace {
+namespace space_ranges_test {
 
 Deployment beacons_at(const std::vector<Eigen::Vector3d>& places) {
   Deployment d;
@@ -200,5 +200,5 @@ TEST(PlaceInSpace, OfTwoBeaconsIsNone) {
                    .has_value());
 }
 
-}  // namespace
+}  // namespace space_ranges_test
 }  // namespace octant::test

@@ -12,7 +12,7 @@
 #include "models/simulator/random.h"
 
 namespace octant {
-namespace {
+namespace space_track_test {
 
 constexpr double kSpeed_mps = 340.0, kSigma_m = 0.03;
 
@@ -391,5 +391,5 @@ TEST(SpaceTrack, WhereOneBeaconTellsTheSideItTakesThatWithIt) {
       EXPECT_GT(fixes[k].protection_level_m, 1.9 * f.truth[k].translation_m.y()) << k;
 }
 
-}  // namespace
+}  // namespace space_track_test
 }  // namespace octant

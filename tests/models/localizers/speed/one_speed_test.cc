@@ -10,7 +10,7 @@
 #include "models/trajectory/ray_speeds.h"
 
 namespace octant {
-namespace {
+namespace one_speed_test {
 
 /// Six transponders on a slope of the sea floor, a ship with one transducer, and a sea whose speed changes
 /// with depth.
@@ -124,5 +124,5 @@ TEST(RaySpeeds, FixesFollowTheRays) {
   }
 }
 
-}  // namespace
+}  // namespace one_speed_test
 }  // namespace octant

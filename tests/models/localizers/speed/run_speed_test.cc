@@ -14,7 +14,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant {
-namespace {
+namespace run_speed_test {
 
 using test::must;
 
@@ -131,5 +131,5 @@ TEST(RunSpeed, ItsSigmaTakesThePlaceOfTheCalibrations) {
   EXPECT_TRUE(at.covariance.matrix.isApprox((Eigen::Matrix2d() << 1e-4, 0.0, 0.0, 0.04).finished()));
 }
 
-}  // namespace
+}  // namespace run_speed_test
 }  // namespace octant

@@ -15,7 +15,7 @@
 #include "tests/models/localizers/drive_world.h"
 
 namespace octant::test {
-namespace {
+namespace drive_start_test {
 
 constexpr std::uint64_t kStartSeed = 415;
 
@@ -121,5 +121,5 @@ TEST(DriveStart, AFilterBeginsWithTheMarginalInflated) {
   EXPECT_LT((begun - inflation * marginal).norm(), 1e-6 * begun.norm());
 }
 
-}  // namespace
+}  // namespace drive_start_test
 }  // namespace octant::test

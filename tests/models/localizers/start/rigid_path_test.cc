@@ -10,7 +10,7 @@
 #include "tests/models/localizers/exact_drive.h"
 
 namespace octant::test {
-namespace {
+namespace rigid_path_test {
 
 TEST(RigidPath, IsTheWayInTheFrameOfAnyOfItsStates) {
   const ExactDrive drive;
@@ -76,5 +76,5 @@ TEST(ThinOut, KeepsEightyEvenlyAndTheirGroups) {
   EXPECT_EQ(problem.ranges[79].observation, before) << "eighty are few enough";
 }
 
-}  // namespace
+}  // namespace rigid_path_test
 }  // namespace octant::test

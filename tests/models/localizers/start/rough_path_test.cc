@@ -12,7 +12,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace rough_path_test {
 
 constexpr double kSlack_m = 0.3;
 
@@ -130,5 +130,5 @@ TEST(JoinPieces, SharesADisagreementByVariances) {
   EXPECT_TRUE(t.poses.empty());
 }
 
-}  // namespace
+}  // namespace rough_path_test
 }  // namespace octant::test

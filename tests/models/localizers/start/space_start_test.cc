@@ -14,7 +14,7 @@
 #include "tests/support/worlds.h"
 
 namespace octant::test {
-namespace {
+namespace space_start_test {
 
 Scenario flight_scenario(double duration_s) {
   Scenario s = drive_scenario(duration_s);
@@ -217,5 +217,5 @@ TEST(SpaceStart, TooLittleIsNoPlace) {
   for (const Fix& fix : located(f.deployment, f.log)) EXPECT_FALSE(fix.ok());
 }
 
-}  // namespace
+}  // namespace space_start_test
 }  // namespace octant::test
