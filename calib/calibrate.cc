@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "calib/readings/explain.h"
+#include "calib/statements/common_errors.h"
 #include "calib/statements/hints.h"
 #include "calib/streamed.h"
 #include "models/trajectory/ray_speeds.h"
@@ -44,6 +45,29 @@ Solution solve_with_rays(Problem& problem, const SolveOptions& options) {
   return solution;
 }
 
+/// Adjusts again with the times of measured poses corrected, if a constant lag of their time stamps is the
+/// one thing that was found. A warning reports it.
+/// @param stated  the site as the caller stated it
+Result<void> correct_lags(Site stated, const SolveOptions& options, Calibration& calibration) {
+  std::vector<CommonError> lags = calibration.solution.common_errors;
+  std::erase_if(lags, [](const CommonError& e) { return e.kind != CommonError::Kind::kLag; });
+  if (lags.empty() || !calibration.solution.contradictions.empty()) return {};
+  std::vector<std::string> words;
+  std::vector<MeasurementLog> runs = std::move(calibration.problem.runs);
+  for (const CommonError& lag : lags) {
+    const Contradiction found = contradiction_of(lag, stated, runs);
+    words.push_back(octant::in_words(found) + "; they are corrected for this calibration; " + found.remedy);
+    for (TimedPose& pose : runs[lag.run].poses) pose.time_s -= lag.size;
+  }
+  auto problem = make_problem(std::move(stated), std::move(runs), options.threads);
+  if (!problem) return fail(problem.error());
+  calibration.problem = std::move(*problem);
+  calibration.solution = solve_with_rays(calibration.problem, options);
+  auto& warnings = calibration.solution.warnings;
+  warnings.insert(warnings.end(), words.begin(), words.end());
+  return {};
+}
+
 /// The steps after the adjustment. `logs`: the recordings, whose digests the deployment gets.
 Calibration finish(Calibration calibration, std::span<const MeasurementLog* const> logs,
                    const CalibrationOptions& options) {
@@ -65,10 +89,11 @@ Result<Calibration> calibrate(Site site, std::vector<MeasurementLog> runs,
                               const CalibrationOptions& options) {
   Calibration calibration;
   add(log_hints(site, runs), options, calibration);
-  auto problem = make_problem(std::move(site), std::move(runs), options.solve.threads);
+  auto problem = make_problem(site, std::move(runs), options.solve.threads);
   if (!problem) return fail(problem.error());
   calibration.problem = std::move(*problem);
   calibration.solution = solve_with_rays(calibration.problem, options.solve);
+  if (auto ok = correct_lags(std::move(site), options.solve, calibration); !ok) return fail(ok.error());
   std::vector<const MeasurementLog*> logs;
   for (const MeasurementLog& run : calibration.problem.runs) logs.push_back(&run);
   return finish(std::move(calibration), logs, options);

@@ -123,12 +123,17 @@ class StatementTest {
   // Errors common to many observations
 
   /// Keeps an error as the best explanation if its correction makes the recording significantly likelier, by
-  /// a relevant length, and costs less. An equally likely error is kept as an alternative.
+  /// a relevant length, and costs less. An equally likely error is kept as
+  /// an alternative.
   void consider(const CommonError& error, std::optional<Culprit>& best) const {
     std::optional<ErrorFit> without = fit_without(options_, now_, error);
-    if (!without || without->error.sigmas < kErrorSigmas ||
-        without->error.length_m < kMatters * tolerance_m(whole_))
-      return;
+    if (!without || without->error.sigmas < kErrorSigmas) return;
+    // A lag of a few centimetres of the path can move beacons that are seen from one side by metres. Other
+    // errors also move, by chance, beacons that are hardly determined.
+    const double length_m = error.kind == CommonError::Kind::kLag
+                                ? std::max(without->error.length_m, largest_shift_m(without->fit))
+                                : without->error.length_m;
+    if (length_m < kMatters * tolerance_m(whole_)) return;
     if (best && best->error &&
         std::abs(best->fit.cost - without->fit.cost) < kEquallyLikely * without->variance) {
       best->or_else = without->error;
@@ -231,7 +236,7 @@ class StatementTest {
       d.covariance(row, row) += std::pow(stated_.sigma(s, fit.layout, columns[i]), 2);
     }
     d.length_m = s.what == What::kSpeed || s.what == What::kHeldSpeed ? d.v.norm() * whole_.typical_range_m
-                 : s.what == What::kAttenuation                       ? attenuation_length(s, fit, d)
+                 : s.what == What::kAttenuation                       ? largest_shift_m(fit)
                  : s.what == What::kNoDelays                          ? d.v.cwiseAbs().maxCoeff()
                  : s.what == What::kOneDelay                          ? d.v.maxCoeff() - d.v.minCoeff()
                  : s.what == What::kDelays                            ? d.v.cwiseAbs().maxCoeff()
@@ -265,8 +270,8 @@ class StatementTest {
     return d;
   }
 
-  /// Largest shift of a beacon if a coefficient of the attenuation is released.
-  [[nodiscard]] double attenuation_length(const Statement&, const Fit& fit, const Difference&) const {
+  /// Largest shift of a beacon from the current fit to another one.
+  [[nodiscard]] double largest_shift_m(const Fit& fit) const {
     const SharedState then = now_.state(), here = fit.state();
     double largest = 0.0;
     for (std::size_t b = 0; b < here.beacon_p_map_m.size(); ++b)

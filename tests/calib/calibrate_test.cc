@@ -15,8 +15,10 @@
 namespace octant::test {
 namespace calibrate_test {
 
+using ::testing::Contains;
 using ::testing::ElementsAreArray;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::Not;
 
 /// A hall in which one thing that the user states is false.
@@ -156,6 +158,22 @@ TEST(Calibrate, ContradictsNoiseThatNothingExplains) {
   const calib::Calibration calibration = calibrated(world);
   ASSERT_FALSE(calibration.solution.contradictions.empty());
   EXPECT_THAT(calibration.solution.contradictions.front().found, HasSubstr("variance factor"));
+}
+
+// Residuals within the stated noise are no misfit, but a lag of the poses moves beacons all the same.
+TEST(Calibrate, CorrectsPosesThatAreStampedEarly) {
+  Scenario drive = drive_scenario(40.0);
+  drive.log_poses = true;
+  World world = must(simulate(drive, 11));
+  world.site.noise.tof_sigma_s *= 5;
+  constexpr double kLag_s = 0.05;
+  const double true_s = world.run.poses.front().time_s;
+  for (TimedPose& pose : world.run.poses) pose.time_s -= kLag_s;
+  const calib::Calibration calibration = must(calib::calibrate(world.site, {world.run}));
+  EXPECT_THAT(calibration.solution.contradictions, IsEmpty());
+  EXPECT_THAT(calibration.solution.warnings, Contains(HasSubstr("s early")));
+  // At 0.6 m/s this is the sigma of an arrival, of which there are thousands.
+  EXPECT_NEAR(calibration.problem.runs[0].poses.front().time_s, true_s, 0.006);
 }
 
 }  // namespace calibrate_test
