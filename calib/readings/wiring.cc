@@ -159,6 +159,7 @@ std::vector<bool> doubtful_receivers(const Site& site, const std::vector<Traject
   std::ranges::sort(sorted);
   constexpr std::size_t kMost = 6;
   std::vector<bool> doubtful;
+  doubtful.reserve(share.size());
   for (const double s : share) doubtful.push_back(sorted.size() <= kMost || s <= sorted[kMost - 1]);
   return doubtful;
 }
