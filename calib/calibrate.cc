@@ -45,8 +45,8 @@ Solution solve_with_rays(Problem& problem, const SolveOptions& options) {
   return solution;
 }
 
-/// Adjusts again with the times of measured poses corrected, if a constant lag of their time stamps is the
-/// one thing that was found. A warning reports it.
+/// If measured poses have a constant lag and the solution has no contradiction, adjusts again with corrected
+/// times. A warning reports the lag.
 /// @param stated  the site as the caller stated it
 Result<void> correct_lags(Site stated, const SolveOptions& options, Calibration& calibration) {
   std::vector<CommonError> lags = calibration.solution.common_errors;

@@ -165,13 +165,11 @@ void bind_live(py::module_& m) {
           "amplitude_v"_a = py::none(), "temperature_degC"_a = py::none(),
           "Adds an arrival: time and time of flight [s], amplitude [V] and temperature of the air [degC] if "
           "they are measured. False: it is too late, or repeats another one. Raises InputError for an "
-          "unknown "
-          "name.")
+          "unknown name.")
       .def("move", &move, "time_s"_a, "dx_m"_a, "dy_m"_a, "dheading_rad"_a = 0.0, "vehicle"_a = "",
            "dz_m"_a = 0.0, "quaternion_xyzw"_a = py::none(),
            "Adds a row of odometry [s, m, rad]; in space with dz_m, and quaternion_xyzw (4 numbers) in place "
-           "of "
-           "dheading_rad. False: it is too late. Raises ValueError for an invalid quaternion.")
+           "of dheading_rad. False: it is too late. Raises ValueError for an invalid quaternion.")
       .def(
           "flush", [](Live& live) { live.follower->flush(); },
           "Fixes the waiting arrivals, because no more will come for this pose.");

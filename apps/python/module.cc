@@ -280,10 +280,9 @@ void bind_fixes(py::module_& m) {
             return own(std::move(rows));
           },
           "Structured array with one row for each fix; unknown values are nan. covariance: 6 x 6, of x, y, z "
-          "[m] "
-          "and of small rotations about x, y, z of the map [rad]. velocity_mps and turn_rate_radps: 3 "
-          "numbers, "
-          "along and about x, y, z of the vehicle, with their standard deviations in sigma_velocity_mps and "
+          "[m] and of small rotations about x, y, z of the map [rad]. velocity_mps and turn_rate_radps: 3 "
+          "numbers, along and about x, y, z of the vehicle, with their standard deviations in "
+          "sigma_velocity_mps and "
           "sigma_turn_rate_radps.")
       .def_property_readonly("status",
                              [](const Fixes& f) {

@@ -152,11 +152,12 @@ void search(const Problem& problem, const Problem& adjusted, Solution& solution,
     found = misread ? find_misreadings(problem, solution, limited)
                     : find_other_culprits(problem, solution, limited);
   });
-  // What is found replaces the result of the steps before, so their end does not matter then.
-  if (found.empty()) solution.diagnosis.is_cut_short |= was_cut_short;
-  if (!found.empty()) {
+  if (!found.empty()) {  // The result of the earlier steps is replaced, so their time limit does not matter.
     solution.contradictions = std::move(found);
-  } else if (solution.contradictions.empty()) {
+    return;
+  }
+  solution.diagnosis.is_cut_short |= was_cut_short;
+  if (solution.contradictions.empty()) {
     auto whole = many_early(adjusted, solution);
     if (!whole) whole = unexplained_misfit(adjusted, solution);
     if (!whole) whole = stops_without_place(solution);

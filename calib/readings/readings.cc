@@ -47,7 +47,7 @@ class Search {
  public:
   Search(const Problem& problem, const Solution& solution, const SolveOptions& options)
       : problem_(problem), solution_(solution), options_(options), site_(problem.site) {
-    // What explains the recordings converges as soon as a true site does.
+    // A true hypothesis converges within a few iterations; only false ones need many.
     options_.max_iterations = std::min(options.max_iterations, kTrialIterations);
     for (SiteVehicle& v : site_.vehicles)
       v.array.reset();  // an array that is adjusted as a whole has one order of receivers
@@ -76,8 +76,10 @@ class Search {
     found_.clear();
     const std::vector<Reading> odometry = other_odometry(problem_.runs);
     try_out(odometry);
-    if (is_explained()) try_frames();  // mirrored receivers resemble turns of the wrong sign
-    if (is_explained()) return best();
+    if (is_explained()) {
+      try_frames();  // mirrored receivers resemble turns of the wrong sign
+      return best();
+    }
     const std::vector<ScoredReading> by_odometry = std::exchange(found_, {});
     // If the ranges alone show a jump, it is examined early, because other searches would be long and
     // useless. Before it come causes common to all arrivals, which explain all of them or none.

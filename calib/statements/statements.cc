@@ -123,13 +123,12 @@ class StatementTest {
   // Errors common to many observations
 
   /// Keeps an error as the best explanation if its correction makes the recording significantly likelier, by
-  /// a relevant length, and costs less. An equally likely error is kept as
-  /// an alternative.
+  /// a relevant length, and costs less. An equally likely error is kept as an alternative.
   void consider(const CommonError& error, std::optional<Culprit>& best) const {
     std::optional<ErrorFit> without = fit_without(options_, now_, error);
     if (!without || without->error.sigmas < kErrorSigmas) return;
-    // A lag of a few centimetres of the path can move beacons that are seen from one side by metres. Other
-    // errors also move, by chance, beacons that are hardly determined.
+    // A lag that shifts ranges by centimetres can move beacons by metres if they are seen from one side. The
+    // rule is limited to lags because any error can move a beacon that is hardly determined.
     const double length_m = error.kind == CommonError::Kind::kLag
                                 ? std::max(without->error.length_m, largest_shift_m(without->fit))
                                 : without->error.length_m;
