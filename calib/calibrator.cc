@@ -10,6 +10,7 @@
 #include "calib/solution/diagnosis_budget.h"
 #include "calib/start/refusals.h"
 #include "calib/verdict/diagnose.h"
+#include "calib/verdict/weights.h"
 
 namespace octant::calib {
 namespace {
@@ -57,7 +58,29 @@ class Calibrator {
     // The solution is complete. The search for contradictions has a time limit of its own.
     solution.diagnosis.fit_s = thread_time_s() - began_s_;
     diagnose(log_.problem(), options_, estimate_, concluded, solution);
+    if (!solution.contradictions.empty()) return solution;
+    if (auto ok = weigh_priors(solution); !ok) return fail(ok.error());
+    add_warnings(log_.problem(), options_, estimate_, concluded, solution);
     return solution;
+  }
+
+  /// Adjusts again with the weight of the priors under the errors as found, if it matters.
+  Result<void> weigh_priors(Solution& solution) {
+    if (solution.status != SolveStatus::kConverged) return {};
+    double growth = growth_against_priors(estimate_.layout, solution);
+    follow_first_rank(estimate_.x, growth);
+    if (growth == 1.0) return {};
+    if (!monitor_.report("weight of the priors", 0.97)) return interrupted();
+    Estimate weighted = with_weighted_priors(estimate_, growth);
+    log_.resume(solution.trajectories);
+    if (auto ok = log_.adjust_inliers(weighted); !ok) return fail(ok.error());
+    if (!weighted.last.converged) return {};
+    auto all = log_.findings(weighted);
+    if (!all) return fail(all.error());
+    Solution again;
+    static_cast<void>(conclude(log_.problem(), options_, weighted, std::move(*all), again));
+    adopt_if_better(estimate_.layout, growth, std::move(again), solution);
+    return {};
   }
 
   Result<Approach> start() {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "models/trajectory/trajectory.h"
@@ -21,6 +22,11 @@ struct Whiteness {
   /// least 1.
   double sigma_factor = 1.0;
   bool white = true;  ///< false if one is significant (one in a million) and relevant
+  /// Factor on the variances of white noise by the correlation within pairs, where an error model is not
+  /// affordable.
+  [[nodiscard]] double variance_factor() const {
+    return white ? 1.0 : std::max({1.0, sigma_factor * sigma_factor, pair_ratio});
+  }
 };
 
 [[nodiscard]] Whiteness whiteness_of(const std::vector<Trajectory>& trajectories, const SharedState& state,

@@ -42,8 +42,10 @@ class CalibrationLog {
   /// Rescales the noise by a factor.
   virtual void scale_noise(Estimate& estimate, const NoiseFactors& factors) = 0;
 
-  /// The last call.
+  /// Results of the whole log at an estimate, with its trajectories.
   [[nodiscard]] virtual Result<Findings> findings(const Estimate& estimate) = 0;
+  /// Continues after findings() with the trajectories that it returned.
+  virtual void resume(std::vector<Trajectory> /*trajectories*/) {}
 
  protected:
   CalibrationLog() = default;

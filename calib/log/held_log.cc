@@ -96,4 +96,9 @@ Result<Findings> HeldLog::findings(const Estimate& estimate) {
   return f;
 }
 
+void HeldLog::resume(std::vector<Trajectory> trajectories) {
+  trajectories_ = std::move(trajectories);
+  statistics_.reset();
+}
+
 }  // namespace octant::calib

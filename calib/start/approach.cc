@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "calib/adjust/reject.h"
+#include "calib/errors/whiteness.h"
 #include "calib/problem/flips.h"
 #include "calib/start/held_states.h"
 #include "calib/start/label_check.h"
@@ -196,8 +197,11 @@ class Approacher {
   /// position is ignored only if the result is clearly worse.
   bool believe_stated(const AdjustedLog& before, LabelCheck& check) {
     const auto better_than = [this](const ConsensusCost& other) {
-      const double noise = agreeing_sigma(out_.trajectories, estimate_.state());
-      return consensus().total() < other.total() + kAsGoodAsStated * std::max(1.0, noise * noise);
+      const SharedState state = estimate_.state();
+      const double noise = agreeing_sigma(out_.trajectories, state);
+      const double variance =
+          noise * noise * whiteness_of(out_.trajectories, state, options_.threads).variance_factor();
+      return consensus().total() < other.total() + kAsGoodAsStated * std::max(1.0, variance);
     };
     std::vector<std::size_t> trusted;
     const std::vector<std::size_t> doubted = check.disregarded;

@@ -50,6 +50,15 @@ struct HeardCounts : RejectionCounts {
   }
 };
 
+/// Returns true if more of the rejected arrivals are early than chance allows for errors to both sides, as a
+/// noisy beacon has.
+bool are_mostly_early(const HeardCounts& c) {
+  constexpr double kSignificance = 3.0;  // in standard deviations of the difference of the counts
+  const auto early = static_cast<double>(c.of(Rejection::kEarly)),
+             late = static_cast<double>(c.of(Rejection::kLate));
+  return early - late > kSignificance * std::sqrt(early + late);
+}
+
 std::vector<HeardCounts> count_by_beacon(const Fit& fit) {
   const std::size_t beacons = fit.problem.site.beacons.size();
   std::vector<HeardCounts> counts;
@@ -227,7 +236,7 @@ class Checker {
     if (c.of(Rejection::kEarly) >= kFewestLeftOut && places.early >= kFewestPlaces &&
         static_cast<double>(places.early) > kManyEarly * static_cast<double>(places.heard) &&
         static_cast<double>(c.of(Rejection::kEarly)) > kManyEarly * static_cast<double>(c.placed) &&
-        (c.of(Rejection::kEarly) > c.of(Rejection::kLate) || c.share() > kMostLeftOut)) {
+        (are_mostly_early(c) || c.share() > kMostLeftOut)) {
       const double expected = std::max(1.0, 0.01 * static_cast<double>(places.heard));
       out_.contradictions.push_back(
           {ContradictionKind::kBeacon, name, "to be heard along the straight path",

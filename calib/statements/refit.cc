@@ -66,12 +66,6 @@ bool reject_and_adjust_again(const SolveOptions& options, Fit& fit) {
   return true;
 }
 
-/// Factor on the variances of white noise by the correlation within pairs, instead of an error model.
-double variance_inflation(const Fit& fit, int threads) {
-  const Whiteness w = whiteness_of(fit.trajectories, fit.state(), threads);
-  return w.white ? 1.0 : std::max({1.0, w.sigma_factor * w.sigma_factor, w.pair_ratio});
-}
-
 /// Trajectories whose arrivals have the noise of a fit.
 std::vector<Trajectory> at_noise(const Fit& fit, std::vector<Trajectory> trajectories) {
   for (Trajectory& t : trajectories)
@@ -85,7 +79,9 @@ Covariance covariance_of(const SolveOptions& options, const Fit& fit) {
   const Information information =
       information_at(fit.problem, fit.layout, trajectories, fit.x, {.threads = options.threads});
   // The noise of the arrivals does not affect priors, so only the information of the data is reduced.
-  const double inflation = is_dense(fit.layout) ? 1.0 : variance_inflation(fit, options.threads);
+  const double inflation =
+      is_dense(fit.layout) ? 1.0
+                           : whiteness_of(fit.trajectories, fit.state(), options.threads).variance_factor();
   return Covariance(inverse_of_information(information.data / inflation + information.prior));
 }
 
@@ -135,7 +131,8 @@ HonestCovariance honest_covariance(const SolveOptions& options, const Fit& fit) 
 }
 
 double noise_variance(const Fit& fit, int threads) {
-  return std::max(1e-12, fit.noise_factor * fit.noise_factor) * variance_inflation(fit, threads);
+  return std::max(1e-12, fit.noise_factor * fit.noise_factor) *
+         whiteness_of(fit.trajectories, fit.state(), threads).variance_factor();
 }
 
 double variance_of_error(const SolveOptions& options, const Fit& fit,

@@ -18,15 +18,6 @@
 namespace octant::calib {
 namespace {
 
-/// Median ratio of the sigmas to those under white noise; 1 if errors are white.
-double growth_of_sigmas(const Solution& solution) {
-  std::vector<double> growth;
-  const Eigen::MatrixXd &honest = solution.covariance.matrix, &white = solution.white_covariance.matrix;
-  for (Eigen::Index i = 0; i < white.rows(); ++i)
-    if (white(i, i) > 0) growth.push_back(std::sqrt(honest(i, i) / white(i, i)));
-  return growth.empty() ? 1.0 : std::max(1.0, median(std::move(growth)));
-}
-
 /// Computes sigmas that account for correlated errors, by the residuals.
 void allow_for_correlation(const Estimate& estimate, const Covariance& C,
                            const std::vector<Trajectory>& trajectories, double share_of_log, int threads,
@@ -127,6 +118,14 @@ Conclusion conclude_as_is(const Problem& problem, const SolveOptions& options, c
 }
 
 }  // namespace
+
+double growth_of_sigmas(const Solution& solution) {
+  std::vector<double> growth;
+  const Eigen::MatrixXd &honest = solution.covariance.matrix, &white = solution.white_covariance.matrix;
+  for (Eigen::Index i = 0; i < white.rows(); ++i)
+    if (white(i, i) > 0) growth.push_back(std::sqrt(honest(i, i) / white(i, i)));
+  return growth.empty() ? 1.0 : std::max(1.0, median(std::move(growth)));
+}
 
 Conclusion conclude(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
                     Findings findings, Solution& solution) {

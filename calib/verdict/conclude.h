@@ -40,4 +40,7 @@ struct Conclusion {
 [[nodiscard]] Conclusion conclude(const Problem& problem, const SolveOptions& options,
                                   const Estimate& estimate, Findings findings, Solution& solution);
 
+/// Median ratio of the sigmas to those under white noise; 1 if errors are white.
+[[nodiscard]] double growth_of_sigmas(const Solution& solution);
+
 }  // namespace octant::calib

@@ -145,8 +145,11 @@ void diagnose(const Problem& problem, const SolveOptions& options, const Estimat
     if (is_tested && !is_bent_by_a_clock(problem, solution))
       contradict(problem, limited, estimate, concluded.growth, solution);
   });
-  if (!solution.contradictions.empty()) return;  // these name the cause; later tests would name consequences
-  warn_of_noise(problem, estimate, concluded.growth, options.threads, solution);
+}
+
+void add_warnings(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
+                  const Conclusion& concluded, Solution& solution) {
+  warn_of_noise(problem, estimate, growth_of_sigmas(solution), options.threads, solution);
   if (!concluded.shadowed.empty()) solution.warnings.push_back(concluded.shadowed);
   for (std::string& warning : suspect_control_points(problem, solution.state, solution.trajectories))
     solution.warnings.push_back(std::move(warning));

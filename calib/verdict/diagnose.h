@@ -11,10 +11,15 @@
 namespace octant::calib {
 
 /// Finds what contradicts the data: assumptions of the site file, beacons that moved, errors common to many
-/// observations. Adds contradictions, common errors and warnings to a complete solution, within its budget
+/// observations. Adds contradictions and common errors to a complete solution, within its budget
 /// (diagnosis_budget.h).
 /// @param estimate  estimate that led to the solution
 void diagnose(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
               const Conclusion& concluded, Solution& solution);
+
+/// Adds warnings of noise, correlated errors, shadows and control points to a solution without
+/// contradictions, which would have such consequences.
+void add_warnings(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
+                  const Conclusion& concluded, Solution& solution);
 
 }  // namespace octant::calib
