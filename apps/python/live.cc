@@ -57,23 +57,37 @@ py::dict alarm_dict(const WatchAlarm& alarm, const NameTable& names) {
   return found;
 }
 
+using Quaternion = std::optional<std::array<double, 4>>;
+
+Eigen::Quaterniond rotation_of(double heading_rad, const char* heading, const Quaternion& xyzw) {
+  if (!xyzw) return Pose::planar(0.0, 0.0, heading_rad).rotation;
+  const auto [qx, qy, qz, qw] = *xyzw;
+  const auto rotation = unit_rotation(qx, qy, qz, qw);
+  if (!rotation) throw py::value_error("quaternion_xyzw: a quaternion of no length");
+  if (heading_rad != 0.0)
+    throw py::value_error("quaternion_xyzw is in place of " + std::string(heading) + ": one of them");
+  return *rotation;
+}
+
 bool move(Live& live, double time_s, double dx_m, double dy_m, double dheading_rad,
-          const std::string& vehicle, double dz_m, const std::optional<std::array<double, 4>>& xyzw) {
+          const std::string& vehicle, double dz_m, const Quaternion& xyzw) {
+  const Eigen::Quaterniond rotation = rotation_of(dheading_rad, "dheading_rad", xyzw);
   OdometryStep step{.time_s = time_s,
                     .dx_m = dx_m,
                     .dy_m = dy_m,
                     .dheading_rad = dheading_rad,
                     .vehicle = live.names.find_vehicle(vehicle),
                     .dz_m = dz_m};
-  if (xyzw) {
-    const auto [qx, qy, qz, qw] = *xyzw;
-    const auto rotation = unit_rotation(qx, qy, qz, qw);
-    if (!rotation) throw py::value_error("quaternion_xyzw: a quaternion of no length");
-    if (dheading_rad != 0.0)
-      throw py::value_error("quaternion_xyzw is in place of dheading_rad: one of them");
-    step.set_pose({{dx_m, dy_m, dz_m}, *rotation});
-  }
+  if (xyzw) step.set_pose({{dx_m, dy_m, dz_m}, rotation});
   return live.follower->move(step);
+}
+
+bool move_to(Live& live, double time_s, double x_m, double y_m, double heading_rad,
+             const std::string& vehicle, double z_m, const Quaternion& xyzw) {
+  return live.follower->move(
+      OdometryPose{.time_s = time_s,
+                   .T_odometry_vehicle = {{x_m, y_m, z_m}, rotation_of(heading_rad, "heading_rad", xyzw)},
+                   .vehicle = live.names.find_vehicle(vehicle)});
 }
 
 Fixes predicted(Live& live, double time_s, const std::string& vehicle) {
@@ -170,6 +184,10 @@ void bind_live(py::module_& m) {
            "dz_m"_a = 0.0, "quaternion_xyzw"_a = py::none(),
            "Adds a row of odometry [s, m, rad]; in space with dz_m, and quaternion_xyzw (4 numbers) in place "
            "of dheading_rad. False: it is too late. Raises ValueError for an invalid quaternion.")
+      .def("move_to", &move_to, "time_s"_a, "x_m"_a, "y_m"_a, "heading_rad"_a = 0.0, "vehicle"_a = "",
+           "z_m"_a = 0.0, "quaternion_xyzw"_a = py::none(),
+           "Adds the pose in the frame of the odometry [s, m, rad], as move() does for steps. A lost row "
+           "loses no motion.")
       .def(
           "flush", [](Live& live) { live.follower->flush(); },
           "Fixes the waiting arrivals, because no more will come for this pose.");

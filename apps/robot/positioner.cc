@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <vector>
 
 #include "io/deployment/deployment_json.h"
@@ -27,6 +28,13 @@ Place place_of(const Fix& fix) {
   place.sigma_z_m = spatial ? std::sqrt(std::max(fix.covariance(2, 2), 0.0)) : 0.0;
   place.covariance_xy_m2 = fix.covariance(0, 1);
   return place;
+}
+
+/// Rotation by a heading or by a quaternion. Returns no value for both, or for a quaternion without length.
+std::optional<Eigen::Quaterniond> rotation_of(double heading_rad, double qx, double qy, double qz,
+                                              double qw) {
+  if (qx == 0.0 && qy == 0.0 && qz == 0.0 && qw == 1.0) return Pose::planar(0.0, 0.0, heading_rad).rotation;
+  return heading_rad == 0.0 ? unit_rotation(qx, qy, qz, qw) : std::nullopt;
 }
 
 bool is_noise(const OdometryNoise& odometry) {
@@ -141,18 +149,25 @@ bool Positioner::hear(const Heard& heard) {
 
 bool Positioner::move(const Moved& moved) {
   if (!*this) return false;
+  const auto rotation = rotation_of(moved.dheading_rad, moved.qx, moved.qy, moved.qz, moved.qw);
+  if (!rotation) return false;
   OdometryStep step{.time_s = moved.time_s,
                     .dx_m = moved.dx_m,
                     .dy_m = moved.dy_m,
                     .dheading_rad = moved.dheading_rad,
                     .vehicle = inside_->names.find_vehicle(moved.vehicle),
                     .dz_m = moved.dz_m};
-  if (moved.qx != 0.0 || moved.qy != 0.0 || moved.qz != 0.0 || moved.qw != 1.0) {
-    const auto rotation = unit_rotation(moved.qx, moved.qy, moved.qz, moved.qw);
-    if (!rotation || moved.dheading_rad != 0.0) return false;
-    step.set_pose({{moved.dx_m, moved.dy_m, moved.dz_m}, *rotation});
-  }
+  if (moved.dheading_rad == 0.0) step.set_pose({{moved.dx_m, moved.dy_m, moved.dz_m}, *rotation});
   return inside_->follower->move(step);
+}
+
+bool Positioner::move_to(const MovedTo& pose) {
+  if (!*this) return false;
+  const auto rotation = rotation_of(pose.heading_rad, pose.qx, pose.qy, pose.qz, pose.qw);
+  return rotation && inside_->follower->move(
+                         OdometryPose{.time_s = pose.time_s,
+                                      .T_odometry_vehicle = {{pose.x_m, pose.y_m, pose.z_m}, *rotation},
+                                      .vehicle = inside_->names.find_vehicle(pose.vehicle)});
 }
 
 void Positioner::flush() {

@@ -237,6 +237,10 @@ def test_odometry_is_as_good_as_it_is_said_to_be(world):
     for wrong in ({"quaternion_xyzw": [0.0, 0.0, 0.0, 0.0]}, {"dheading_rad": 0.1, "quaternion_xyzw": [0.0, 0.0, 0.0, 1.0]}):
         with pytest.raises(ValueError, match="quaternion"):
             follower.move(0.2, 0.0, 0.0, **wrong)
+    assert follower.move_to(0.2, 1.0, 2.0, 0.1) and follower.move_to(0.3, 1.0, 2.0, z_m=0.01, quaternion_xyzw=[0.0, 0.0, 0.1, 1.0])
+    assert not follower.move_to(-9.0, 1.0, 2.0), "too late"
+    with pytest.raises(ValueError, match="quaternion"):
+        follower.move_to(0.4, 0.0, 0.0, heading_rad=0.1, quaternion_xyzw=[0.0, 0.0, 0.0, 1.0])
     for wrong in ({"distance": 0.1}, {"floor_m": -1.0}, {"floor_m": float("nan")}):
         with pytest.raises(ValueError, match="odometry_noise"):
             octant.Follower(world.truth, odometry_noise=wrong)

@@ -36,6 +36,14 @@ struct Moved {
   double dz_m = 0.0, qx = 0.0, qy = 0.0, qz = 0.0, qw = 1.0;
 };
 
+/// Pose of the vehicle in the frame of its odometry, which drifts over the map. Unlike Moved, a lost row
+/// loses no motion. In space, uses z_m, and a quaternion instead of heading_rad.
+struct MovedTo {
+  double time_s = 0.0, x_m = 0.0, y_m = 0.0, heading_rad = 0.0;
+  std::string_view vehicle = {};
+  double z_m = 0.0, qx = 0.0, qy = 0.0, qz = 0.0, qw = 1.0;
+};
+
 /// Noise of the odometry over a step of length d and turn a:
 ///   sigma_xy^2 = distance^2 d + floor_m^2,  sigma_heading^2 = heading^2 d + (per_rad a)^2 + floor_rad^2
 /// as in the block `odometry` of a recording's run.yaml, with the same defaults.
@@ -113,6 +121,7 @@ class [[gnu::visibility("default")]] Positioner {
   void on_alarm(std::function<void(const Alarm&)> sink);
   bool hear(const Heard& heard);
   bool move(const Moved& moved);
+  bool move_to(const MovedTo& pose);
   /// Fixes the waiting arrivals, because no more will come for this pose.
   void flush();
   /// Predicts the pose of a vehicle that is tracked, such as to the present time. The state does not change.

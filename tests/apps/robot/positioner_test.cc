@@ -11,6 +11,7 @@
 #include "io/deployment/deployment_json.h"
 #include "models/live/follower.h"
 #include "models/localizers/least_squares/epoch_fix.h"
+#include "models/trajectory/trajectory.h"
 #include "tests/io/io_support.h"
 #include "tests/support/worlds.h"
 
@@ -136,6 +137,58 @@ void expect_followed(Motion motion) {
   EXPECT_FALSE(positioner.predict(soon_s, "nobody").ok);
 }
 
+MovedTo moved_to(double time_s, const Pose& T, Motion motion) {
+  const Eigen::Vector3d& p = T.translation_m;
+  const Eigen::Quaterniond& q = T.rotation;
+  if (motion == Motion::kPlanar) return {time_s, p.x(), p.y(), T.heading_rad()};
+  return {time_s, p.x(), p.y(), 0.0, {}, p.z(), q.x(), q.y(), q.z(), q.w()};
+}
+
+/// Places of a drive with odometry as steps, or as poses of which every third one is lost.
+std::vector<Place> places_of(const World& world, bool as_poses) {
+  const Robot robot(world);
+  const MeasurementLog& log = world.heldout;
+  const Motion motion = world.truth.motion;
+  Positioner positioner(robot.path(), noise_of(log.odometry_accuracy));
+  std::vector<Place> places;
+  positioner.on_place([&](const Place& place) { places.push_back(place); });
+  Pose T;
+  for (std::size_t next = 0, row = 0; row < log.odometry.size(); ++row) {
+    const OdometryStep& step = log.odometry[row];
+    if (row > 0) T = T * step.pose();
+    for (; next < log.arrivals.size() && log.arrivals[next].time_s <= step.time_s; ++next)
+      positioner.hear(robot.heard(log.arrivals[next]));
+    if (!as_poses) {
+      EXPECT_TRUE(positioner.move(motion == Motion::kPlanar ? planar(step) : spatial(step)));
+    } else if (row % 3 != 1) {
+      EXPECT_TRUE(positioner.move_to(moved_to(step.time_s, T, motion)));
+    }
+  }
+  positioner.flush();
+  return places;
+}
+
+double rms_error_m(const std::vector<Place>& places, const MeasurementLog& log) {
+  double sum_m2 = 0.0, count = 0.0;
+  for (const Place& place : places) {
+    Pose truth;
+    if (!place.ok || !interpolate_poses(log.truth, place.time_s, 1.0, truth)) continue;
+    sum_m2 += (Eigen::Vector3d(place.x_m, place.y_m, place.z_m) - truth.translation_m).squaredNorm();
+    ++count;
+  }
+  EXPECT_GT(count, 200.0);
+  return std::sqrt(sum_m2 / count);
+}
+
+TEST(Positioner, LostPosesOfOdometryLoseNoMotion) {
+  for (const Motion motion : {Motion::kPlanar, Motion::kSpatial}) {
+    const World world = must(simulate(drive_of(motion), 5));
+    // As in FollowerIntegrity: a third less odometry is worth less than 30 % of accuracy.
+    EXPECT_LT(rms_error_m(places_of(world, true), world.heldout),
+              1.3 * rms_error_m(places_of(world, false), world.heldout));
+  }
+}
+
 TEST(Positioner, FollowsInThePlane) { expect_followed(Motion::kPlanar); }
 TEST(Positioner, FollowsInSpaceByOdometryWithQuaternions) { expect_followed(Motion::kSpatial); }
 
@@ -151,6 +204,8 @@ TEST(Positioner, AStepIsATurnOrAQuaternionNeverBoth) {
   EXPECT_FALSE(positioner.move({.time_s = 2.0, .qx = NAN}));
   EXPECT_TRUE(positioner.move({.time_s = 2.0, .qz = 2 * half, .qw = 2 * half})) << "of any length";
   EXPECT_FALSE(positioner.move({.time_s = 2.0, .vehicle = "nobody"}));
+  EXPECT_FALSE(positioner.move_to({.time_s = 3.0, .heading_rad = 0.1, .qz = half, .qw = half}));
+  EXPECT_FALSE(positioner.move_to({.time_s = 3.0, .heading_rad = NAN}));
 }
 
 TEST(Positioner, LocatesAStopAsTheLocalizerDoes) {
