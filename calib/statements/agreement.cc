@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <set>
 
@@ -33,6 +34,9 @@ constexpr double kMostLeftOut = 0.5;
 constexpr double kMovedSigmas = 6.0, kMovedSigmasIfRegained = 4.0, kMovedMatters = 0.3;
 constexpr double kRegained = 0.5, kMostRegained = 0.8;
 constexpr std::size_t kMostSplit = 3;
+/// Squares that two positions must save, in units of the noise's variance: chi-square of three coordinates at
+/// the best of many times exceeds it once in a million.
+constexpr double kLeastGain = 40.0;
 /// Share of a receiver's arrivals that must be rejected; it must also exceed the usual share kBeyondOthers
 /// times.
 constexpr double kMostOfAReceiver = 0.5;
@@ -120,13 +124,15 @@ std::string length(double m) {
 class Checker {
  public:
   Checker(const Problem& problem, const SolveOptions& options, const Fit& fit,
-          const std::vector<Contradiction>& besides, double growth)
+          const std::vector<Contradiction>& besides)
       : problem_(problem),
         options_(options),
         fit_(fit),
         besides_(besides),
-        growth_(growth),
-        counts_(count_by_beacon(fit)) {}
+        counts_(count_by_beacon(fit)),
+        least_gain_(kLeastGain * noise_variance(fit, options.threads)) {
+    for (std::size_t b = 0; b < counts_.size(); ++b) gains_.push_back(likeliest_change(fit, b).gain);
+  }
 
   /// Moves that explain more than a cost.
   std::vector<Contradiction> moves(double cost) {
@@ -135,7 +141,7 @@ class Checker {
     std::vector<std::size_t> suspects = this->suspects();
     suspects.resize(std::min(suspects.size(), kMostSplit));
     for (const std::size_t b : suspects)
-      if (places_of(fit_, b).left_out >= kFewestPlaces && moved(b)) break;
+      if (may_have_moved(b, places_of(fit_, b)) && moved(b)) break;
     return std::move(out_.contradictions);
   }
 
@@ -158,17 +164,25 @@ class Checker {
     return c.outliers() >= kFewestLeftOut && c.share() >= std::max(share, beyond_others * usual_);
   }
 
-  /// Beacons that may have moved, those with most rejected arrivals first.
+  /// Beacons that may have moved or are often rejected, those first of which a move may explain most squares.
   [[nodiscard]] std::vector<std::size_t> suspects() const {
     std::vector<std::size_t> suspects;
     for (std::size_t b = 0; b < counts_.size(); ++b)
       if (fit_.beacon_usable[b] && !said(problem_.site.beacons[b].name) &&
-          is_suspect(counts_[b], kSomeLeftOut, kBeyondOthersIfMoved))
+          (has_changed(b) || is_suspect(counts_[b], kSomeLeftOut, kBeyondOthersIfMoved)))
         suspects.push_back(b);
-    std::ranges::sort(suspects, [this](std::size_t a, std::size_t b) {
-      return counts_[a].outliers() > counts_[b].outliers();
-    });
+    const auto squares = [this](std::size_t b) {
+      return gains_[b] + options_.rejection_sigmas * options_.rejection_sigmas *
+                             static_cast<double>(counts_[b].outliers());
+    };
+    std::ranges::sort(suspects, std::greater(), squares);
     return suspects;
+  }
+
+  /// Returns true if two positions explain the used arrivals better than chance allows.
+  [[nodiscard]] bool has_changed(std::size_t b) const { return gains_[b] > least_gain_; }
+  [[nodiscard]] bool may_have_moved(std::size_t b, const Places& places) const {
+    return has_changed(b) || places.left_out >= kFewestPlaces;
   }
 
   void beacons() {
@@ -180,7 +194,7 @@ class Checker {
     const std::vector<std::size_t> suspects = this->suspects();
     for (std::size_t k = 0; k < suspects.size(); ++k) {
       const Places places = places_of(fit_, suspects[k]);
-      if (k < kMostSplit && places.left_out >= kFewestPlaces && moved(suspects[k])) continue;
+      if (k < kMostSplit && may_have_moved(suspects[k], places) && moved(suspects[k])) continue;
       if (is_suspect(counts_[suspects[k]], kManyLeftOut, kBeyondOthers)) much_left_out(suspects[k], places);
     }
   }
@@ -212,7 +226,7 @@ class Checker {
                             static_cast<double>(counts_[b].outliers());
     const double regained = (fit_.cost - best->cost) / left_out;
     if (regained < kRegained ||
-        best->sigmas < growth_ * (regained < kMostRegained ? kMovedSigmas : kMovedSigmasIfRegained))
+        best->sigmas < (regained < kMostRegained ? kMovedSigmas : kMovedSigmasIfRegained))
       return false;
     const std::string& name = problem_.site.beacons[b].name;
     double first_s = INFINITY;
@@ -324,8 +338,9 @@ class Checker {
   const SolveOptions& options_;
   const Fit& fit_;
   const std::vector<Contradiction>& besides_;
-  double growth_;
   std::vector<HeardCounts> counts_;
+  double least_gain_;
+  std::vector<double> gains_;  ///< of two positions of each beacon, by the arrivals in use
   double usual_ = 0.0, most_cost_ = INFINITY;
   Agreement out_;
 };
@@ -333,16 +348,16 @@ class Checker {
 }  // namespace
 
 std::vector<Contradiction> moves_of(const Problem& problem, const SolveOptions& options, const Fit& fit,
-                                    double cost, double growth) {
+                                    double cost) {
   if (!is_dense(fit.layout) || fit.x.size() == 0) return {};
   const std::vector<Contradiction> besides;
-  return Checker(problem, options, fit, besides, growth).moves(cost);
+  return Checker(problem, options, fit, besides).moves(cost);
 }
 
 Agreement agreement_of(const Problem& problem, const SolveOptions& options, const Fit& fit,
-                       const std::vector<Contradiction>& besides, double growth) {
+                       const std::vector<Contradiction>& besides) {
   if (!is_dense(fit.layout) || fit.x.size() == 0) return {};
-  return Checker(problem, options, fit, besides, growth).run();
+  return Checker(problem, options, fit, besides).run();
 }
 
 }  // namespace octant::calib

@@ -29,14 +29,13 @@ struct Agreement {
 ///   cannot.
 /// @param fit  fit in which all contradicted assumptions are released
 /// @param besides  contradictions found already, which are not repeated
-/// @param growth  factor on sigmas due to correlated errors (error_model.h); a move must be that much clearer
 [[nodiscard]] Agreement agreement_of(const Problem& problem, const SolveOptions& options, const Fit& fit,
-                                     const std::vector<Contradiction>& besides, double growth = 1.0);
+                                     const std::vector<Contradiction>& besides);
 
 /// A beacon that moved, if that alone explains more than a cost (Fit::cost). A move bends delays and
 /// positions that are assumed to be constant.
 /// @param fit  with all assumptions of the site file
 [[nodiscard]] std::vector<Contradiction> moves_of(const Problem& problem, const SolveOptions& options,
-                                                  const Fit& fit, double cost, double growth);
+                                                  const Fit& fit, double cost);
 
 }  // namespace octant::calib

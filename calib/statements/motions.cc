@@ -156,6 +156,51 @@ Move move_of(const SolveOptions& options, const Fit& split, std::size_t b, doubl
   return move;
 }
 
+PositionChange likeliest_change(const Fit& fit, std::size_t b) {
+  struct Row {
+    double time_s = 0.0, residual = 0.0;
+    Eigen::Vector3d by_position = Eigen::Vector3d::Zero();
+  };
+  const SharedState state = fit.state();
+  std::vector<Row> rows;
+  for (const Trajectory& t : fit.trajectories)
+    for (const ArrivalObservation& a : t.arrivals) {
+      if (a.beacon.index() != b || a.rejection != Rejection::kUsed) continue;
+      const Eigen::Vector3d ray_m =
+          state.beacon_p_map_m[b] -
+          pose_at(t, a.node, a.alpha) * state.receiver_p_vehicle_m[a.receiver.index()];
+      rows.push_back({a.time_s, arrival_residual(t, a, state),
+                      ray_m.normalized() * (a.legs() / (a.model_speed_mps * a.sigma_s))});
+    }
+  PositionChange best;
+  if (rows.size() < 4 * kFewestOfBeacon) return best;
+  std::ranges::sort(rows, {}, &Row::time_s);
+  struct Sums {
+    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    /// Squares that the best step saves.
+    [[nodiscard]] double gain() const {
+      const double ridge = 1e-6 * information.trace();
+      const Eigen::Matrix3d H = information + ridge * Eigen::Matrix3d::Identity();
+      return gradient.dot(H.ldlt().solve(gradient));
+    }
+  };
+  Sums all, before;
+  for (const Row& row : rows) {
+    all.gradient += row.by_position * row.residual;
+    all.information += row.by_position * row.by_position.transpose();
+  }
+  for (std::size_t k = 0; k + kFewestOfBeacon < rows.size(); ++k) {
+    before.gradient += rows[k].by_position * rows[k].residual;
+    before.information += rows[k].by_position * rows[k].by_position.transpose();
+    if (k + 1 < kFewestOfBeacon || rows[k].time_s == rows[k + 1].time_s) continue;
+    const Sums after{all.gradient - before.gradient, all.information - before.information};
+    if (const double gain = before.gain() + after.gain() - all.gain(); gain > best.gain)
+      best = {0.5 * (rows[k].time_s + rows[k + 1].time_s), gain};
+  }
+  return best;
+}
+
 std::vector<double> times_of_change(const Fit& fit, std::size_t b) {
   std::vector<std::pair<double, double>> out;  // time, 1 if rejected
   for (const Trajectory& t : fit.trajectories)
@@ -180,6 +225,7 @@ std::vector<double> times_of_change(const Fit& fit, std::size_t b) {
     change = 0.5 * (out[k].first + out[k + 1].first);
   }
   if (change) times.push_back(*change);
+  if (const PositionChange small = likeliest_change(fit, b); small.gain > 0.0) times.push_back(small.time_s);
   return times;
 }
 

@@ -17,8 +17,16 @@ struct Move {
   double time_s = 0.0, sigmas = 0.0, cost = 0.0;
 };
 
-/// Times at which a beacon may have moved: where its arrivals begin or cease to be rejected, and its median
-/// time. Empty if it has few arrivals.
+/// Change of a beacon's position within the limits of rejection.
+struct PositionChange {
+  double time_s = 0.0;
+  double gain = 0.0;  ///< squares of the residuals that two positions save, by the first step to each
+};
+/// Most likely such change of a beacon; its gain is 0 if there are few arrivals.
+[[nodiscard]] PositionChange likeliest_change(const Fit& fit, std::size_t beacon);
+
+/// Times at which a beacon may have moved: where its arrivals begin or cease to be rejected, its median time,
+/// and its likeliest change. Empty if it has few arrivals.
 [[nodiscard]] std::vector<double> times_of_change(const Fit& fit, std::size_t beacon);
 
 /// Fit in which the arrivals of a beacon after some time belong to another beacon (the last of the site) at

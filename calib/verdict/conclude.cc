@@ -103,7 +103,6 @@ Conclusion conclude_as_is(const Problem& problem, const SolveOptions& options, c
   if (findings.totals) done.share_of_log = 1.0 / static_cast<double>(findings.totals->stride);
   allow_for_correlation(estimate, done.covariance, trajectories, done.share_of_log, options.threads,
                         solution);
-  done.growth = growth_of_sigmas(solution);
   solution.left_out = std::move(findings.left_out.arrivals);
   solution.left_out_bearings = std::move(findings.left_out.bearings);
   solution.left_out_poses = std::move(findings.left_out.poses);
@@ -118,14 +117,6 @@ Conclusion conclude_as_is(const Problem& problem, const SolveOptions& options, c
 }
 
 }  // namespace
-
-double growth_of_sigmas(const Solution& solution) {
-  std::vector<double> growth;
-  const Eigen::MatrixXd &honest = solution.covariance.matrix, &white = solution.white_covariance.matrix;
-  for (Eigen::Index i = 0; i < white.rows(); ++i)
-    if (white(i, i) > 0) growth.push_back(std::sqrt(honest(i, i) / white(i, i)));
-  return growth.empty() ? 1.0 : std::max(1.0, median(std::move(growth)));
-}
 
 Conclusion conclude(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
                     Findings findings, Solution& solution) {

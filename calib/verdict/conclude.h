@@ -30,7 +30,6 @@ struct Findings {
 /// Results on which a diagnosis is based.
 struct Conclusion {
   Covariance covariance;      ///< covariance of the parameters under white noise, internal units
-  double growth = 1.0;        ///< growth of the sigmas by correlated errors
   double share_of_log = 1.0;  ///< share of the log in the solution's trajectories
   std::string shadowed = {};  ///< warning of shadowed beacons, or empty
 };
@@ -39,8 +38,5 @@ struct Conclusion {
 /// solution, which has warnings already. It names no culprits (diagnose.h).
 [[nodiscard]] Conclusion conclude(const Problem& problem, const SolveOptions& options,
                                   const Estimate& estimate, Findings findings, Solution& solution);
-
-/// Median ratio of the sigmas to those under white noise; 1 if errors are white.
-[[nodiscard]] double growth_of_sigmas(const Solution& solution);
 
 }  // namespace octant::calib

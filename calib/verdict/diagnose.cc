@@ -8,6 +8,7 @@
 
 #include "calib/errors/whiteness.h"
 #include "calib/problem/clock_check.h"
+#include "calib/problem/ranges.h"
 #include "calib/solution/diagnosis_budget.h"
 #include "calib/start/label_check.h"
 #include "calib/statements/agreement.h"
@@ -31,8 +32,18 @@ bool may_be_directional(const Problem& problem, const std::vector<Trajectory>& t
          std::ranges::any_of(trajectories, measured);
 }
 
-void warn_of_correlation(const Estimate& estimate, double growth, int threads, Solution& solution) {
+/// Median ratio of the sigmas to those under white noise; 1 if errors are white.
+double growth_of_sigmas(const Solution& solution) {
+  std::vector<double> growth;
+  const Eigen::MatrixXd &honest = solution.covariance.matrix, &white = solution.white_covariance.matrix;
+  for (Eigen::Index i = 0; i < white.rows(); ++i)
+    if (white(i, i) > 0) growth.push_back(std::sqrt(honest(i, i) / white(i, i)));
+  return growth.empty() ? 1.0 : std::max(1.0, median(std::move(growth)));
+}
+
+void warn_of_correlation(const Estimate& estimate, int threads, Solution& solution) {
   const ErrorModel& errors = solution.errors;
+  const double growth = growth_of_sigmas(solution);
   if (errors.correlated) {
     constexpr double kAsGood = 1.05;  // rounded to 1 with two digits
     std::string warning = fmt::format(
@@ -63,8 +74,7 @@ void warn_of_correlation(const Estimate& estimate, double growth, int threads, S
 /// little weight carry little information on the noise of the arrivals.
 constexpr double kFarBetterPoses = 0.5;
 
-void warn_of_noise(const Problem& problem, const Estimate& estimate, double growth, int threads,
-                   Solution& solution) {
+void warn_of_noise(const Problem& problem, const Estimate& estimate, int threads, Solution& solution) {
   const CalibrationStatistics& s = solution.statistics;
   const double noise_factor = estimate.noise_factor;
   if (estimate.pose_factor < kFarBetterPoses)
@@ -82,7 +92,7 @@ void warn_of_noise(const Problem& problem, const Estimate& estimate, double grow
     solution.warnings.push_back(
         "amplitudes are assumed to be equal in all directions at each receiver: if they decrease off its "
         "axis, state attenuation.half_power_angle_rad (half of the beam width at -3 dB, with a sigma)");
-  warn_of_correlation(estimate, growth, threads, solution);
+  warn_of_correlation(estimate, threads, solution);
 }
 
 /// Returns true if the ranges alone show a jump of a clock that distorts the adjustment. Assumptions are not
@@ -101,13 +111,12 @@ bool are_few_left_out(const std::vector<Trajectory>& trajectories) {
 }
 
 /// Tests the assumptions of the site file, and the consistency of the recordings, by the data.
-void contradict(const Problem& problem, const SolveOptions& options, const Estimate& estimate, double growth,
+void contradict(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
                 Solution& solution) {
   StatementFindings stated = test_statements(problem, options, estimate, solution.trajectories);
   // One beacon that moved is more likely than several false assumptions that explain less.
   if (!stated.contradictions.empty() && stated.errors.empty()) {
-    std::vector<Contradiction> moves =
-        moves_of(problem, options, *stated.as_stated, stated.fit->cost, growth);
+    std::vector<Contradiction> moves = moves_of(problem, options, *stated.as_stated, stated.fit->cost);
     if (!moves.empty()) {
       stated.contradictions = std::move(moves);
       stated.fit = std::move(stated.as_stated);
@@ -119,7 +128,7 @@ void contradict(const Problem& problem, const SolveOptions& options, const Estim
   if (are_few_left_out(stated.fit->trajectories))
     for (CommonError& e : solution.common_errors)
       e.noise_left = stated.fit->noise_factor * estimate.noise_factor;
-  Agreement agreement = agreement_of(problem, options, *stated.fit, solution.contradictions, growth);
+  Agreement agreement = agreement_of(problem, options, *stated.fit, solution.contradictions);
   for (Contradiction& c : agreement.contradictions) solution.contradictions.push_back(std::move(c));
   for (std::string& warning : agreement.warnings) solution.warnings.push_back(std::move(warning));
   if (solution.contradictions.empty())
@@ -136,20 +145,19 @@ bool is_refused_for_misfit(const Solution& solution, const Estimate& estimate) {
 }  // namespace
 
 void diagnose(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
-              const Conclusion& concluded, Solution& solution) {
+              Solution& solution) {
   const bool is_tested =
       solution.status == SolveStatus::kConverged || is_refused_for_misfit(solution, estimate);
   // The other half is for gross errors (readings/), which look like many false assumptions.
   constexpr double kShareOfStatements = 0.5;
   diagnose_within_budget(options, solution, kShareOfStatements, [&](const SolveOptions& limited) {
-    if (is_tested && !is_bent_by_a_clock(problem, solution))
-      contradict(problem, limited, estimate, concluded.growth, solution);
+    if (is_tested && !is_bent_by_a_clock(problem, solution)) contradict(problem, limited, estimate, solution);
   });
 }
 
 void add_warnings(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
                   const Conclusion& concluded, Solution& solution) {
-  warn_of_noise(problem, estimate, growth_of_sigmas(solution), options.threads, solution);
+  warn_of_noise(problem, estimate, options.threads, solution);
   if (!concluded.shadowed.empty()) solution.warnings.push_back(concluded.shadowed);
   for (std::string& warning : suspect_control_points(problem, solution.state, solution.trajectories))
     solution.warnings.push_back(std::move(warning));

@@ -15,7 +15,7 @@ namespace octant::calib {
 /// (diagnosis_budget.h).
 /// @param estimate  estimate that led to the solution
 void diagnose(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
-              const Conclusion& concluded, Solution& solution);
+              Solution& solution);
 
 /// Adds warnings of noise, correlated errors, shadows and control points to a solution without
 /// contradictions, which would have such consequences.

@@ -79,7 +79,7 @@ TEST(Readings, NameAClockThatJumped) {
 
 TEST(Readings, NameAClockThatJumpedDuringADrive) {
   for (const auto& [share, jump_s] : {std::pair{0.66, -3e-3}, {0.3, 2e-4}}) {
-    World world = must(simulate(drive_scenario(), 5));
+    World world = must(simulate(drive_scenario(60.0), 5));
     EXPECT_THAT(explained(world), IsEmpty()) << "before it jumped";
     static_cast<void>(jump_clock_of_drive(world, share, jump_s));
     const auto found = explained(world);
