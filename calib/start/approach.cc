@@ -331,14 +331,14 @@ class Approacher {
 
   bool compare_site_image() {
     const AdjustedLog here = checkpoint();
-    if (!reflect_site(problem_, out_)) return true;
+    if (!reflect_site(problem_, out_) && !reflect_beacons(problem_, out_, sigma_m())) return true;
     const Eigen::VectorXd image = estimate_.x;
     if (!adjust_with(kCauchyScale, 1e-8)) return false;
     const Preference preferred = prefer_by_all(problem_, here, out_, options_.rejection_sigmas);
     if (preferred != Preference::kSecond) restore(here);
     if (preferred != Preference::kNeither) return true;
     for (std::size_t b = 0; b < estimate_.beacon_usable.size(); ++b)
-      for (const int column : {estimate_.layout.beacon[b][0], estimate_.layout.beacon[b][1]})
+      for (const int column : estimate_.layout.beacon[b])
         if (column >= 0 && std::abs(image[column] - here.estimate.x[column]) > tolerance_m(problem_))
           estimate_.beacon_mirrored[b] = true;
     return true;

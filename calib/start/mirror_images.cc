@@ -13,6 +13,7 @@
 #include "calib/adjust/priors.h"
 #include "calib/adjust/reject.h"
 #include "calib/problem/ranges.h"
+#include "calib/start/start.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {
@@ -294,6 +295,25 @@ bool reflect_site(const Problem& problem, AdjustedLog& log, double off_line_m) {
         node.velocity.head<2>() = way - 2 * line->normal.dot(way) * line->normal;
         node.velocity.z() = -node.velocity.z();
       }
+  return true;
+}
+
+bool reflect_beacons(const Problem& problem, AdjustedLog& log, double sigma_m) {
+  constexpr double kFlatSigmas = 3.0;
+  const Estimate& estimate = log.estimate;
+  const SharedState state = estimate.state();
+  const double off_plane_m = kFlatSigmas * sigma_m * std::max(1.0, agreeing_sigma(log.trajectories, state));
+  Eigen::VectorXd x = estimate.x;
+  std::size_t images = 0;
+  for (std::size_t b = 0; b < estimate.beacon_usable.size(); ++b) {
+    if (!estimate.beacon_usable[b] || *std::ranges::max_element(estimate.layout.beacon[b]) < 0) continue;
+    const auto image = mirror_image(problem, state, log.trajectories, b, off_plane_m);
+    if (!image) continue;
+    estimate.layout.set_place(b, *image, x);
+    ++images;
+  }
+  if (images < 2) return false;
+  log.estimate.x = std::move(x);
   return true;
 }
 

@@ -84,4 +84,10 @@ enum class Preference { kFirst, kSecond, kNeither };
 /// @param off_line_m  permitted distance of known positions from the line, in addition to their sigmas
 [[nodiscard]] bool reflect_site(const Problem& problem, AdjustedLog& log, double off_line_m = 0.0);
 
+/// Moves all beacons to their images in the plane of a nearly flat path. One image alone contradicts the
+/// others through the delay and the speed that they share. Returns false, without a change, if fewer than two
+/// have an image.
+/// @param sigma_m  stated noise of a range
+[[nodiscard]] bool reflect_beacons(const Problem& problem, AdjustedLog& log, double sigma_m);
+
 }  // namespace octant::calib
