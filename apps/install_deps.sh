@@ -4,7 +4,7 @@
 # Sourced by apps/demo.sh and tests/run.sh: the one list of the Debian packages that Octant needs, and how they get here.
 
 OCTANT_BUILD_PACKAGES="g++ cmake ninja-build pkg-config ca-certificates esbuild libboost-dev libceres-dev libcli11-dev libeigen3-dev
-  libexpected-dev libfast-float-dev libfmt-dev libhwy-dev liblz4-dev libnlopt-cxx-dev libnlopt-dev libpng-dev libqrencode-dev libsqlite3-dev libssl-dev
+  libexpected-dev libfast-float-dev libfmt-dev libhwy-dev liblz4-dev libnlopt-cxx-dev libnlopt-dev libpng-dev libpugixml-dev libqrencode-dev libsqlite3-dev libssl-dev
   libsuitesparse-dev libyaml-dev libzstd-dev nlohmann-json3-dev python3-plotly zlib1g-dev"
 OCTANT_TEST_PACKAGES="chromium chromium-driver clang clang-format clang-tidy dpkg-dev libbenchmark-dev libgmock-dev libgtest-dev libopenmpi-dev libpq-dev librapidcheck-dev
   openmpi-bin poppler-utils postgresql pybind11-dev python3 python3-dev python3-matplotlib python3-numpy python3-pytest python3-selenium python3-yaml valgrind

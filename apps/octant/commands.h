@@ -19,6 +19,7 @@ void add_calibrate(CLI::App& app, CommonOptions& common, Action& action);
 void add_recalibrate(CLI::App& app, CommonOptions& common, Action& action);
 void add_monitor(CLI::App& app, CommonOptions& common, Action& action);
 void add_diff(CLI::App& app, CommonOptions& common, Action& action);
+void add_adjust(CLI::App& app, CommonOptions& common, Action& action);
 void add_batch(CLI::App& app, CommonOptions& common, Action& action);
 void add_localize(CLI::App& app, CommonOptions& common, Action& action);
 void add_verify(CLI::App& app, CommonOptions& common, Action& action);

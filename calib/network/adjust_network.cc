@@ -11,7 +11,7 @@
 #include <limits>
 
 #include "calib/errors/reliability.h"
-#include "calib/network/observation_row.h"
+#include "calib/network/survey_row.h"
 
 namespace octant::calib {
 namespace {
@@ -58,8 +58,7 @@ Linearised linearise(const Network& network, const NetworkColumns& columns, cons
   result.misclosure.resize(n);
   std::vector<Eigen::Triplet<double>> entries;
   for (Eigen::Index i = 0; i < n; ++i) {
-    const ObservationRow row =
-        observation_row(network, columns, network.observations[static_cast<std::size_t>(i)], x);
+    const SurveyRow row = survey_row(network, columns, network.observations[static_cast<std::size_t>(i)], x);
     result.misclosure[i] = row.misclosure;
     for (const auto& [column, value] : row.entries) entries.emplace_back(i, column, value);
   }
@@ -80,7 +79,7 @@ Eigen::VectorXd initial_unknowns(const Network& network, const NetworkColumns& c
   for (const SurveyObservation& o : network.observations) {
     if (o.kind != SurveyKind::kDirection || oriented[static_cast<std::size_t>(o.set)]) continue;
     oriented[static_cast<std::size_t>(o.set)] = true;
-    x[columns.first_set + o.set] = -observation_row(network, columns, o, x).misclosure;
+    x[columns.first_set + o.set] = -survey_row(network, columns, o, x).misclosure;
   }
   return x;
 }
@@ -178,6 +177,7 @@ NetworkSolution adjust_network(const Network& network, const NetworkOptions& opt
   const Eigen::VectorXd initial = initial_unknowns(network, columns);
   Eigen::VectorXd x = initial;
   Normals normals;
+  double previous = std::numeric_limits<double>::infinity();
   while (solution.iterations < options.max_iterations && solution.status == NetworkStatus::kNotConverged) {
     ++solution.iterations;
     const Linearised at = linearise(network, columns, w, x);
@@ -189,8 +189,11 @@ NetworkSolution adjust_network(const Network& network, const NetworkOptions& opt
     if (normals.constraints.cols() > 0)
       step -= normals.to_datum * (normals.constraints.transpose() * (x - initial));
     x += step;
-    if (step.head(columns.first_set).cwiseAbs().maxCoeff() < options.tolerance_m)
-      solution.status = NetworkStatus::kConverged;
+    const double size = step.head(columns.first_set).cwiseAbs().maxCoeff();
+    // Steps that shrink no more are rounding errors: 1e-10 m already in coordinates of a thousand kilometres.
+    const bool is_rounding = size < 1e3 * options.tolerance_m && size > 0.5 * previous;
+    if (size < options.tolerance_m || is_rounding) solution.status = NetworkStatus::kConverged;
+    previous = size;
   }
   const Linearised at = linearise(network, columns, w, x);
   solution.defect = static_cast<int>(normals.constraints.cols());

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "calib/network/network.h"
+#include "models/network/network.h"
 
 namespace octant::calib {
 

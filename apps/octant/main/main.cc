@@ -120,6 +120,7 @@ int run(int argc, const char* const* argv, Session& session) {
   add_localize(app, session.options, action);
   add_verify(app, session.options, action);
   add_survey(app, session.options, action);
+  add_adjust(app, session.options, action);
   add_convert(app, session.options, action);
   add_export(app, session.options, action);
   add_plan(app, session.options, action);

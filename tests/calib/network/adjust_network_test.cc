@@ -9,17 +9,12 @@
 #include <gtest/gtest.h>
 
 #include "calib/errors/reliability.h"
-#include "calib/network/observation_row.h"
+#include "calib/network/survey_row.h"
 
 namespace octant::test {
 namespace adjust_network_test {
 
-using calib::CoordinateRole;
-using calib::Network;
-using calib::SurveyKind;
-using calib::SurveyObservation;
-
-calib::NetworkPoint height(const std::string& id, double z_m, CoordinateRole role) {
+NetworkPoint height(const std::string& id, double z_m, CoordinateRole role) {
   return {id, {0.0, 0.0, z_m}, {CoordinateRole::kAbsent, CoordinateRole::kAbsent, role}};
 }
 
@@ -64,7 +59,7 @@ Network every_kind(CoordinateRole role, double error_m) {
   for (std::size_t p = 0; p < 4; ++p)
     for (std::size_t i = 0; i < 3; ++i)
       if (columns.point[p][i] >= 0) x[columns.point[p][i]] = truth[p][static_cast<int>(i)];
-  for (SurveyObservation& o : n.observations) o.value = -calib::observation_row(n, columns, o, x).misclosure;
+  for (SurveyObservation& o : n.observations) o.value = -calib::survey_row(n, columns, o, x).misclosure;
   for (std::size_t p = 1; p < 4; ++p)
     n.points[p].p_map_m += error_m * Eigen::Vector3d(1.0, p == 2 ? -1.0 : 1.0, 0.5);
   return n;
@@ -111,17 +106,17 @@ TEST(AdjustNetwork, CorrelatedObservationsEqualTheirSum) {
   EXPECT_NEAR(s.covariance(0, 0), 3.75 / 4.0, 1e-12);
 }
 
-TEST(ObservationRow, HasTheNumericDerivative) {
+TEST(SurveyRow, HasTheNumericDerivative) {
   const Network n = every_kind(CoordinateRole::kFree, 0.1);
   const calib::NetworkColumns columns = calib::network_columns(n);
   const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(columns.size, -7.0, 9.0).array().sin() * 20.0;
   for (const SurveyObservation& o : n.observations) {
     Eigen::VectorXd row = Eigen::VectorXd::Zero(columns.size);
-    for (const auto& [c, value] : calib::observation_row(n, columns, o, x).entries) row[c] += value;
+    for (const auto& [c, value] : calib::survey_row(n, columns, o, x).entries) row[c] += value;
     for (int c = 0; c < columns.size; ++c) {
       const Eigen::VectorXd step = Eigen::VectorXd::Unit(columns.size, c) * 1e-5;
-      const double change = calib::observation_row(n, columns, o, x - step).misclosure -
-                            calib::observation_row(n, columns, o, x + step).misclosure;
+      const double change = calib::survey_row(n, columns, o, x - step).misclosure -
+                            calib::survey_row(n, columns, o, x + step).misclosure;
       EXPECT_NEAR(std::remainder(change, 2 * M_PI) / 2e-5, row[c], 1e-6 * (1.0 + std::abs(row[c])));
     }
   }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "calib/network/observation_row.h"
+#include "calib/network/survey_row.h"
 
 #include <cmath>
 #include <numbers>
@@ -63,7 +63,7 @@ class RowBuilder {
     return x_[columns_.first_set + set];
   }
 
-  ObservationRow row;
+  SurveyRow row;
 
  private:
   int column(int point, int i) const {
@@ -133,8 +133,8 @@ NetworkColumns network_columns(const Network& network) {
   return columns;
 }
 
-ObservationRow observation_row(const Network& network, const NetworkColumns& columns,
-                               const SurveyObservation& observation, const Eigen::VectorXd& x) {
+SurveyRow survey_row(const Network& network, const NetworkColumns& columns,
+                     const SurveyObservation& observation, const Eigen::VectorXd& x) {
   RowBuilder build(network, columns, x);
   const double difference = observation.value - computed_value(build, observation);
   const bool angle = observation.kind <= SurveyKind::kZenithAngle;

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace octant::calib {
+namespace octant {
 
 /// Role of one coordinate in the adjustment.
 enum class CoordinateRole {
@@ -26,6 +26,7 @@ struct NetworkPoint {
   Eigen::Vector3d p_map_m = Eigen::Vector3d::Zero();  ///< approximate, or exact where fixed
   std::array<CoordinateRole, 3> role{CoordinateRole::kAbsent, CoordinateRole::kAbsent,
                                      CoordinateRole::kAbsent};
+  std::array<bool, 3> known{true, true, true};  ///< p_map_m has at least an approximate value
 };
 
 enum class SurveyKind {
@@ -47,6 +48,7 @@ enum class SurveyKind {
 struct SurveyObservation {
   SurveyKind kind = SurveyKind::kHorizontalDistance;
   int from = -1, to = -1, second = -1;  ///< indices of points
+  int line = 0;                         ///< of the file; 0: none
   int set = -1;                         ///< orientation unknown of a direction
   int scale = -1, constant = -1;        ///< scale and additive constant of a distance; -1: none
   double value = 0.0;                   ///< [rad] or [m]
@@ -67,4 +69,4 @@ struct Network {
   int sets = 0, scales = 0, constants = 0;
 };
 
-}  // namespace octant::calib
+}  // namespace octant

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "calib/network/network.h"
+#include "models/network/network.h"
 
 namespace octant::calib {
 
@@ -20,14 +20,14 @@ struct NetworkColumns {
 [[nodiscard]] NetworkColumns network_columns(const Network& network);
 
 /// Misclosure of an observation and its derivatives.
-struct ObservationRow {
+struct SurveyRow {
   double misclosure = 0.0;                      ///< observed less computed [rad] or [m]; angles in (-pi, pi]
   std::vector<std::pair<int, double>> entries;  ///< derivative of the computed value by column
 };
 
 /// @param x  all unknowns in the order of `columns`: coordinates [m], orientations [rad], scales less one,
 /// constants [m]
-[[nodiscard]] ObservationRow observation_row(const Network& network, const NetworkColumns& columns,
-                                             const SurveyObservation& observation, const Eigen::VectorXd& x);
+[[nodiscard]] SurveyRow survey_row(const Network& network, const NetworkColumns& columns,
+                                   const SurveyObservation& observation, const Eigen::VectorXd& x);
 
 }  // namespace octant::calib

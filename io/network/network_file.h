@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "models/network/network.h"
+#include "models/support/result.h"
+
+namespace octant::io {
+
+/// Survey network as its file describes it. Coordinates are those of the file. Angles of the file are
+/// `angle_sign` times those of the network, and azimuths count from north.
+struct NetworkFile {
+  std::string description;
+  Network network;
+  double sigma_unit = 10.0;  ///< a priori sigma of unit weight
+  bool sigmas_a_posteriori = true;
+  double angle_sign = 1.0;
+  double north_rad = 0.0;  ///< angle of north from +x towards +y
+  std::vector<std::string> warnings;
+};
+
+/// Reads a network in the XML format of GNU Gama (gama-local, .gkf): points, observations with standard
+/// deviations or covariance matrices, all eight orientations of the axes, gon and degrees. Observations of
+/// points that are neither fixed nor adjusted are left out with a warning, as gama-local does. Errors:
+/// kBadInput with the line; a DOCTYPE is refused.
+[[nodiscard]] Result<NetworkFile> read_gama(const std::string& path);
+
+}  // namespace octant::io

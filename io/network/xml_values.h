@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+// Private to io/: typed access to an XML document, in the manner of yaml_reader.h. The first error is kept.
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <pugixml.hpp>
+
+#include "io/text/text.h"
+#include "models/support/result.h"
+
+namespace octant::io {
+
+/// State of reading one XML document.
+class XmlLog {
+ public:
+  XmlLog(std::string file, std::string_view text);
+
+  /// Parses the text. A DOCTYPE, which may define entities and name other files, is refused.
+  void parse(pugi::xml_document& document);
+  void fail(const pugi::xml_node& node, std::string found, std::string expected, std::string advice = "");
+  [[nodiscard]] int line(const pugi::xml_node& node) const;
+
+  /// Attribute without surrounding blanks; empty where it is absent.
+  [[nodiscard]] static std::string text(const pugi::xml_node& node, const char* attribute);
+  /// A number; nullopt where the attribute is absent, or after an error.
+  std::optional<double> number(const pugi::xml_node& node, const char* attribute,
+                               NumberRange range = kAnyNumber);
+  /// A number; its absence is an error.
+  double required_number(const pugi::xml_node& node, const char* attribute);
+  /// Numbers separated by blanks.
+  std::vector<double> numbers(const pugi::xml_node& node, std::string_view values);
+
+  std::optional<Error> error;
+
+ private:
+  [[nodiscard]] int line_at(std::ptrdiff_t offset) const;
+
+  std::string file_;
+  std::string_view text_;
+  std::vector<std::ptrdiff_t> newlines_;
+};
+
+}  // namespace octant::io

@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+// octant adjust: published networks with the results of GNU Gama 2.18.5 (tests/gama-local of its sources),
+// and files that are refused.
+#include <cmath>
+#include <string>
+
+#include <gmock/gmock.h>
+
+#include "tests/apps/process.h"
+
+namespace octant::test {
+namespace adjust_test {
+
+using ::testing::HasSubstr;
+
+nlohmann::json adjusted(const std::string& network) {
+  const Outcome outcome =
+      octant({"adjust", std::string(OCTANT_SOURCE_DIR) + "/tests/golden/networks/" + network, "--json"});
+  EXPECT_EQ(outcome.exit, 0) << outcome.err;
+  return outcome.json();
+}
+
+/// Coordinates [m] and standard deviations [mm] of one point, to the digits that GNU Gama prints.
+void expect_point(const nlohmann::json& result, std::size_t point, const std::vector<double>& position_m,
+                  const std::vector<double>& variance_mm2) {
+  const nlohmann::json& p = result.at("points").at(point);
+  for (std::size_t i = 0; i < position_m.size(); ++i)
+    EXPECT_NEAR(p.at("position_m").at(i).get<double>(), position_m[i], 1e-6) << p.at("id");
+  for (std::size_t i = 0; i < variance_mm2.size(); ++i)
+    EXPECT_NEAR(1e6 * std::pow(p.at("sigma_m").at(i).get<double>(), 2), variance_mm2[i],
+                2e-5 * variance_mm2[i])
+        << p.at("id");
+}
+
+TEST(Adjust, AgreesWithGamaInThePlane) {
+  const nlohmann::json result = adjusted("ghilani_16_2.gkf");
+  EXPECT_EQ(result.at("redundancy"), 12);
+  EXPECT_NEAR(std::sqrt(result.at("variance_factor").get<double>()), 3.5261578e-01, 1e-7);
+  expect_point(result, 1, {1003.0571511051, 2640.0050759878}, {1.3205965e-04, 3.5675414e+01});
+  expect_point(result, 2, {2323.0626484624, 2638.4742039682}, {3.0141441e+01, 4.3519328e+01});
+  expect_point(result, 3, {2661.7386089226, 1096.0867085219}, {3.4818758e+01, 5.2881995e+01});
+  const nlohmann::json& distance = result.at("observations").at(0);
+  EXPECT_NEAR(distance.at("redundancy").get<double>(), 389.076 / (26.0 * 26.0), 1e-5);
+  EXPECT_NEAR(distance.at("w").get<double>(), -1.161, 6e-4);
+}
+
+TEST(Adjust, AgreesWithGamaInAFreeNetwork) {
+  const nlohmann::json result = adjusted("wolf_free.gkf");
+  EXPECT_EQ(result.at("defect"), 3);
+  EXPECT_THAT(result.at("datum").get<std::string>(), HasSubstr("inner constraints"));
+  EXPECT_NEAR(result.at("variance_factor").get<double>(), std::pow(1.0202096e3 / 2500.0, 2), 1e-7);
+  expect_point(result, 0, {184423.0335191526, 726419.6616475640}, {4.7641385e+02, 9.7161640e+02});
+  expect_point(result, 8, {185963.2619484142, 723322.2793840811}, {});
+}
+
+TEST(Adjust, AgreesWithGamaInSpaceWithoutApproximateCoordinates) {
+  const nlohmann::json result = adjusted("caspary_space.gkf");
+  EXPECT_EQ(result.at("points").at(4).at("approximate_computed"), true);
+  expect_point(result, 4, {5000.0148233706, 1999.9923351154, 1799.9868125315},
+               {2.9567365e+02, 3.4429161e+02, 1.1902376e+03});
+}
+
+class AdjustFile : public ::testing::Test {
+ protected:
+  Outcome adjust(const std::string& content, const std::string& before = "",
+                 const std::string& axes = "axes-xy='en' angles='right-handed'") {
+    spit(box / "n.gkf", before + "<gama-local><network " + axes + ">\n<points-observations>\n" + content +
+                            "\n</points-observations></network></gama-local>\n");
+    return octant({"adjust", box / "n.gkf", "--json"});
+  }
+  TemporaryFolder box;
+  const std::string kFixed = "<point id='A' x='0' y='0' fix='xy'/><point id='B' x='100' y='0' fix='xy'/>\n";
+};
+
+TEST_F(AdjustFile, RefusesWhatItCannotUse) {
+  const auto refused = [&](const Outcome& o, const std::string& words, int line) {
+    EXPECT_EQ(o.exit, 3) << o.out;
+    EXPECT_THAT(o.json().at("error").at("message").get<std::string>(), HasSubstr(words));
+    if (line > 0) {
+      EXPECT_EQ(o.json().at("error").at("line"), line) << o.out;
+    }
+  };
+  refused(adjust("", "<!DOCTYPE a [<!ENTITY b SYSTEM '/etc/passwd'>]>"), "DOCTYPE", 1);
+  refused(adjust("<point id='P' adj='xy'/>"), "without observations", 0);
+  const std::string free = kFixed + "<point id='P' x='50' y='50' adj='xy'/>\n";
+  refused(adjust(free + "<obs from='A'><distance to='P' val='70' stdev='0'/></obs>"), "standard deviation",
+          5);
+  refused(adjust(free + "<obs from='A'><distance to='P' val='70'/></obs>"), "without standard deviation", 5);
+  refused(adjust(free + "<obs from='A'><distance to='P' val='7O' stdev='1'/></obs>"), "'7O'", 5);
+  refused(adjust(free + "<obs from='A'><distance to='A' val='70' stdev='1'/></obs>"), "coincident", 5);
+  refused(adjust(free + "<obs from='A'>\n<distance to='P' val='70'/><distance to='P' val='70'/>"
+                        "<cov-mat dim='2' band='1'>1 2 1</cov-mat></obs>"),
+          "not positive definite", 6);
+  const Outcome open = adjust(free + "<obs from='A'><distance to='P' val='70' stdev='1'/></obs>");
+  EXPECT_EQ(open.exit, 5) << open.out;
+  EXPECT_THAT(open.json().at("error").at("message").get<std::string>(), HasSubstr("determine P"));
+}
+
+/// P is at (60, 80): 100 m from A, 89.443 m from B. From A it is 59.0334 gon counter-clockwise from B.
+TEST_F(AdjustFile, ComputesApproximateCoordinatesInAllOrientationsOfAxes) {
+  for (const std::string axes : {"en", "nw", "se", "ws", "ne", "sw", "es", "wn"})
+    for (const std::string angles : {"left-handed", "right-handed"}) {
+      const bool clockwise = axes == "ne" || axes == "sw" || axes == "es" || axes == "wn";
+      const std::string turn = clockwise == (angles == "left-handed") ? "59.0334470602" : "340.9665529398";
+      const Outcome o =
+          adjust(kFixed + "<point id='P' adj='xy'/><obs from='A'><direction to='B' val='0' stdev='10'/>" +
+                     "<direction to='P' val='" + turn + "' stdev='10'/>" +
+                     "<distance to='P' val='100' stdev='1'/></obs>",
+                 "", "axes-xy='" + axes + "' angles='" + angles + "'");
+      ASSERT_EQ(o.exit, 0) << o.out;
+      const nlohmann::json p = o.json().at("points").at(2).at("position_m");
+      EXPECT_NEAR(p.at(0).get<double>(), 60.0, 1e-6) << axes << angles;
+      EXPECT_NEAR(p.at(1).get<double>(), 80.0, 1e-6) << axes << angles;
+    }
+}
+
+}  // namespace adjust_test
+}  // namespace octant::test
