@@ -30,7 +30,7 @@ bool has_valid_indices(const Network& n, const SurveyObservation& o) {
          (o.constant < 0 || is_index(o.constant, count(n.constants)));
 }
 
-/// True if two points are one, or are known to coincide where the observation is not defined then.
+/// True if two points are the same, or coincide in the plane and the observation is undefined there.
 bool coincide(const Network& n, const SurveyObservation& o, int a, int b) {
   if (a == b) return true;
   const NetworkPoint& one = n.points[static_cast<std::size_t>(a)];
@@ -46,7 +46,7 @@ Result<void> check_observation(const Network& n, const SurveyObservation& o) {
     return refuse(o.line, "an observation whose point or set does not exist", "indices of the network");
   if (!std::isfinite(o.value)) return refuse(o.line, "an observed value that is not finite", "a number");
   if (!(o.sigma > 0.0) || !std::isfinite(o.sigma))
-    return refuse(o.line, "a standard deviation of zero, or none", "a positive number");
+    return refuse(o.line, "a standard deviation that is not positive", "a positive number");
   if (!has_two_ends(o.kind)) return {};
   const auto name = [&](int p) { return n.points[static_cast<std::size_t>(p)].id; };
   if (coincide(n, o, o.from, o.to))

@@ -52,7 +52,7 @@ class GamaObservations {
   XmlLog& log_;
   GamaSigmas sigmas_;
   std::map<std::string, int> index_;
-  // Cluster that is read.
+  // The current cluster.
   int first_ = 0;
   int set_ = -1;
   std::vector<double> units_;

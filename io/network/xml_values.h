@@ -15,7 +15,7 @@
 
 namespace octant::io {
 
-/// State of reading one XML document.
+/// Text of one XML document, and the first error found in it.
 class XmlLog {
  public:
   XmlLog(std::string file, std::string_view text);

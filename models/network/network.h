@@ -48,7 +48,7 @@ enum class SurveyKind {
 struct SurveyObservation {
   SurveyKind kind = SurveyKind::kHorizontalDistance;
   int from = -1, to = -1, second = -1;  ///< indices of points
-  int line = 0;                         ///< of the file; 0: none
+  int line = 0;                         ///< line in the file; 0: not from a file
   int set = -1;                         ///< orientation unknown of a direction
   int scale = -1, constant = -1;        ///< scale and additive constant of a distance; -1: none
   double value = 0.0;                   ///< [rad] or [m]
