@@ -332,8 +332,8 @@ class Approacher {
   bool compare_site_image() {
     const AdjustedLog here = checkpoint();
     if (!reflect_site(problem_, out_) && !reflect_beacons(problem_, out_, sigma_m())) return true;
-    const Eigen::VectorXd image = estimate_.x;
     if (!adjust_with(kCauchyScale, 1e-8)) return false;
+    const Eigen::VectorXd image = estimate_.x;  // other observations may have led it back
     const Preference preferred = prefer_by_all(problem_, here, out_, options_.rejection_sigmas);
     if (preferred != Preference::kSecond) restore(here);
     if (preferred != Preference::kNeither) return true;
