@@ -54,13 +54,13 @@ class Calibrator {
     Solution solution;
     solution.warnings = std::move(warnings_);
     solution.contradictions = log_.problem().contradictions;
-    const Conclusion concluded = conclude(log_.problem(), options_, estimate_, std::move(*all), solution);
+    const std::string shadowed = conclude(log_.problem(), options_, estimate_, std::move(*all), solution);
     // The solution is complete. The search for contradictions has a time limit of its own.
     solution.diagnosis.fit_s = thread_time_s() - began_s_;
     diagnose(log_.problem(), options_, estimate_, solution);
     if (!solution.contradictions.empty()) return solution;
     if (auto ok = weigh_priors(solution); !ok) return fail(ok.error());
-    add_warnings(log_.problem(), options_, estimate_, concluded, solution);
+    add_warnings(log_.problem(), options_, estimate_, shadowed, solution);
     return solution;
   }
 

@@ -45,7 +45,7 @@ class CalibrationLog {
   /// Results of the whole log at an estimate, with its trajectories.
   [[nodiscard]] virtual Result<Findings> findings(const Estimate& estimate) = 0;
   /// Continues after findings() with the trajectories that it returned.
-  virtual void resume(std::vector<Trajectory> /*trajectories*/) {}
+  virtual void resume(const std::vector<Trajectory>& /*trajectories*/) {}
 
  protected:
   CalibrationLog() = default;

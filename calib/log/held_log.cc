@@ -96,8 +96,8 @@ Result<Findings> HeldLog::findings(const Estimate& estimate) {
   return f;
 }
 
-void HeldLog::resume(std::vector<Trajectory> trajectories) {
-  trajectories_ = std::move(trajectories);
+void HeldLog::resume(const std::vector<Trajectory>& trajectories) {
+  trajectories_ = trajectories;
   statistics_.reset();
 }
 

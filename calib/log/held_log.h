@@ -27,7 +27,7 @@ class HeldLog : public CalibrationLog {
   [[nodiscard]] Result<DataSquares> adjust_inliers(Estimate& estimate) override;
   void scale_noise(Estimate& estimate, const NoiseFactors& factors) override;
   [[nodiscard]] Result<Findings> findings(const Estimate& estimate) override;
-  void resume(std::vector<Trajectory> trajectories) override;
+  void resume(const std::vector<Trajectory>& trajectories) override;
 
  private:
   bool adjust_to_rest(Estimate& estimate);

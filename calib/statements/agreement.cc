@@ -131,7 +131,7 @@ class Checker {
         besides_(besides),
         counts_(count_by_beacon(fit)),
         least_gain_(kLeastGain * noise_variance(fit, options.threads)) {
-    for (std::size_t b = 0; b < counts_.size(); ++b) gains_.push_back(likeliest_change(fit, b).gain);
+    for (std::size_t b = 0; b < counts_.size(); ++b) changes_.push_back(likeliest_change(fit, b));
   }
 
   /// Moves that explain more than a cost.
@@ -172,15 +172,15 @@ class Checker {
           (has_changed(b) || is_suspect(counts_[b], kSomeLeftOut, kBeyondOthersIfMoved)))
         suspects.push_back(b);
     const auto squares = [this](std::size_t b) {
-      return gains_[b] + options_.rejection_sigmas * options_.rejection_sigmas *
-                             static_cast<double>(counts_[b].outliers());
+      return changes_[b].gain + options_.rejection_sigmas * options_.rejection_sigmas *
+                                    static_cast<double>(counts_[b].outliers());
     };
     std::ranges::sort(suspects, std::greater(), squares);
     return suspects;
   }
 
   /// Returns true if two positions explain the used arrivals better than chance allows.
-  [[nodiscard]] bool has_changed(std::size_t b) const { return gains_[b] > least_gain_; }
+  [[nodiscard]] bool has_changed(std::size_t b) const { return changes_[b].gain > least_gain_; }
   [[nodiscard]] bool may_have_moved(std::size_t b, const Places& places) const {
     return has_changed(b) || places.left_out >= kFewestPlaces;
   }
@@ -204,7 +204,9 @@ class Checker {
   [[nodiscard]] std::optional<Move> likeliest_move(std::size_t b) const {
     constexpr int kMostRounds = 4;
     std::optional<Move> best;
-    for (const double rough_s : times_of_change(fit_, b)) {
+    std::vector<double> times = times_of_change(fit_, b);
+    if (changes_[b].gain > 0.0) times.push_back(changes_[b].time_s);
+    for (const double rough_s : times) {
       std::optional<double> time_s = rough_s;
       for (int round = 0; round < kMostRounds && time_s; ++round) {
         const Fit split = split_fit(options_, fit_, b, *time_s);
@@ -340,7 +342,7 @@ class Checker {
   const std::vector<Contradiction>& besides_;
   std::vector<HeardCounts> counts_;
   double least_gain_;
-  std::vector<double> gains_;  ///< of two positions of each beacon, by the arrivals in use
+  std::vector<PositionChange> changes_;  ///< of each beacon, by the arrivals in use
   double usual_ = 0.0, most_cost_ = INFINITY;
   Agreement out_;
 };

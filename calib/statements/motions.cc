@@ -225,7 +225,6 @@ std::vector<double> times_of_change(const Fit& fit, std::size_t b) {
     change = 0.5 * (out[k].first + out[k + 1].first);
   }
   if (change) times.push_back(*change);
-  if (const PositionChange small = likeliest_change(fit, b); small.gain > 0.0) times.push_back(small.time_s);
   return times;
 }
 

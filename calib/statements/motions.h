@@ -25,8 +25,8 @@ struct PositionChange {
 /// Most likely such change of a beacon; its gain is 0 if there are few arrivals.
 [[nodiscard]] PositionChange likeliest_change(const Fit& fit, std::size_t beacon);
 
-/// Times at which a beacon may have moved: where its arrivals begin or cease to be rejected, its median time,
-/// and its likeliest change. Empty if it has few arrivals.
+/// Times at which a beacon may have moved: where its arrivals begin or cease to be rejected, and its median
+/// time. Empty if it has few arrivals.
 [[nodiscard]] std::vector<double> times_of_change(const Fit& fit, std::size_t beacon);
 
 /// Fit in which the arrivals of a beacon after some time belong to another beacon (the last of the site) at

@@ -77,8 +77,8 @@ void judge_anew(const Problem& problem, const SolveOptions& options, Estimate es
 }
 
 /// Fit, covariance and verdict of the given trajectories.
-Conclusion conclude_as_is(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
-                          Findings findings, bool is_subsampled, Solution& solution) {
+std::string conclude_as_is(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
+                           Findings findings, bool is_subsampled, Solution& solution) {
   const AdjustResult& last = estimate.last;
   std::vector<Trajectory>& trajectories = solution.trajectories;
   solution.state = estimate.state();
@@ -95,14 +95,13 @@ Conclusion conclude_as_is(const Problem& problem, const SolveOptions& options, c
   solution.datum = datum_of(problem);
   const std::size_t judged_from = solution.warnings.size();
   // Parameters that the data do not determine often prevent convergence. They are then the finding.
-  Conclusion done{judge(problem, options, estimate, trajectories, solution)};
+  const Covariance C = judge(problem, options, estimate, trajectories, solution);
   if (is_subsampled) solution.warnings.resize(judged_from);  // the verdict of the whole log has its own
-  solution.reliability = reliability_of(
-      problem, estimate.layout, trajectories, solution.state, done.covariance, solution.beacon_status,
-      estimate.noise_factor, options.threads, kAllEpochs, findings.totals ? &*findings.totals : nullptr);
-  if (findings.totals) done.share_of_log = 1.0 / static_cast<double>(findings.totals->stride);
-  allow_for_correlation(estimate, done.covariance, trajectories, done.share_of_log, options.threads,
-                        solution);
+  solution.reliability = reliability_of(problem, estimate.layout, trajectories, solution.state, C,
+                                        solution.beacon_status, estimate.noise_factor, options.threads,
+                                        kAllEpochs, findings.totals ? &*findings.totals : nullptr);
+  const double share_of_log = findings.totals ? 1.0 / static_cast<double>(findings.totals->stride) : 1.0;
+  allow_for_correlation(estimate, C, trajectories, share_of_log, options.threads, solution);
   solution.left_out = std::move(findings.left_out.arrivals);
   solution.left_out_bearings = std::move(findings.left_out.bearings);
   solution.left_out_poses = std::move(findings.left_out.poses);
@@ -112,20 +111,19 @@ Conclusion conclude_as_is(const Problem& problem, const SolveOptions& options, c
   const bool is_whole = !is_subsampled && (!findings.totals || findings.totals->stride == 1);
   solution.totals = std::move(findings.totals);
   solution.warnings.insert(solution.warnings.end(), findings.flips.begin(), findings.flips.end());
-  if (is_whole) done.shadowed = allow_for_shadows(problem, estimate, done.covariance, trajectories, solution);
-  return done;
+  return is_whole ? allow_for_shadows(problem, estimate, C, trajectories, solution) : "";
 }
 
 }  // namespace
 
-Conclusion conclude(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
-                    Findings findings, Solution& solution) {
+std::string conclude(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
+                     Findings findings, Solution& solution) {
   solution.trajectories = std::move(findings.trajectories);
   std::vector<Trajectory> as_complete = std::move(findings.as_complete);
-  Conclusion done =
+  std::string shadowed =
       conclude_as_is(problem, options, estimate, std::move(findings), !as_complete.empty(), solution);
   if (!as_complete.empty()) judge_anew(problem, options, estimate, as_complete, solution);
-  return done;
+  return shadowed;
 }
 
 }  // namespace octant::calib

@@ -27,16 +27,10 @@ struct Findings {
   std::vector<Trajectory> as_complete;
 };
 
-/// Results on which a diagnosis is based.
-struct Conclusion {
-  Covariance covariance;      ///< covariance of the parameters under white noise, internal units
-  double share_of_log = 1.0;  ///< share of the log in the solution's trajectories
-  std::string shadowed = {};  ///< warning of shadowed beacons, or empty
-};
-
 /// Completes a calibration: covariance, verdict, reliability and sigmas under correlated errors; fills the
 /// solution, which has warnings already. It names no culprits (diagnose.h).
-[[nodiscard]] Conclusion conclude(const Problem& problem, const SolveOptions& options,
-                                  const Estimate& estimate, Findings findings, Solution& solution);
+/// @return warning of shadowed beacons, or an empty text
+[[nodiscard]] std::string conclude(const Problem& problem, const SolveOptions& options,
+                                   const Estimate& estimate, Findings findings, Solution& solution);
 
 }  // namespace octant::calib

@@ -156,9 +156,9 @@ void diagnose(const Problem& problem, const SolveOptions& options, const Estimat
 }
 
 void add_warnings(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
-                  const Conclusion& concluded, Solution& solution) {
+                  const std::string& shadowed, Solution& solution) {
   warn_of_noise(problem, estimate, options.threads, solution);
-  if (!concluded.shadowed.empty()) solution.warnings.push_back(concluded.shadowed);
+  if (!shadowed.empty()) solution.warnings.push_back(shadowed);
   for (std::string& warning : suspect_control_points(problem, solution.state, solution.trajectories))
     solution.warnings.push_back(std::move(warning));
 }

@@ -19,7 +19,8 @@ void diagnose(const Problem& problem, const SolveOptions& options, const Estimat
 
 /// Adds warnings of noise, correlated errors, shadows and control points to a solution without
 /// contradictions, which would have such consequences.
+/// @param shadowed  warning of conclude(), or an empty text
 void add_warnings(const Problem& problem, const SolveOptions& options, const Estimate& estimate,
-                  const Conclusion& concluded, Solution& solution);
+                  const std::string& shadowed, Solution& solution);
 
 }  // namespace octant::calib

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Calibration along a drive in space whose odometry has six degrees of freedom, without measured poses.
+// Calibration along a drive in space, by odometry with six degrees of freedom or by measured poses.
 #include <gtest/gtest.h>
 
 #include "calib/start/approach.h"
