@@ -32,6 +32,8 @@ struct Arrival {
   double temperature_degC =
       std::numeric_limits<double>::quiet_NaN();  ///< NaN: temperature of the run or of the site
   int line = 0;                                  ///< row in tof.csv
+  /// Time from time_s until the row was received [s]; NaN: not logged.
+  float received_after_s = std::numeric_limits<float>::quiet_NaN();
 };
 
 /// Builds an arrival from names, for a robot's own program. Errors: an unknown name, or no receiver although

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -187,6 +188,16 @@ ErrorFigures figures_of(ErrorSums& sums, Motion motion) {
   return figures;
 }
 
+std::optional<LatencyFigures> latency_figures(const std::vector<ReferencedRun>& runs) {
+  std::vector<double> all_s;
+  for (const ReferencedRun& run : runs)
+    all_s.insert(all_s.end(), run.latencies_s.begin(), run.latencies_s.end());
+  if (all_s.empty()) return std::nullopt;
+  std::ranges::sort(all_s);
+  const double sum_s = std::accumulate(all_s.begin(), all_s.end(), 0.0);
+  return LatencyFigures{sum_s / static_cast<double>(all_s.size()), quantile(all_s, 0.95), all_s.back()};
+}
+
 std::optional<Pose> reference_at(const ReferencedRun& run, double time_s) {
   return reference_at(run.truth, time_s, run.truth_accuracy.max_gap_s);
 }
@@ -288,6 +299,7 @@ Evaluation evaluate(const std::vector<ReferencedRun>& runs, Motion motion, const
     sums.add(of_run);
   }
   result.floors = figures_of_floors(runs, motion);
+  result.latency = latency_figures(runs);
   result.fixes = sums.fixes;
   result.no_fix = sums.no_fix;
   result.matched = sums.position_m.size();

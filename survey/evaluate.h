@@ -36,6 +36,11 @@ struct ErrorFigures {
   std::optional<double> ve95_m{}, se95_m{};  ///< vertical and spherical error, for motion in space
 };
 
+/// Latency of fixes (latency.h).
+struct LatencyFigures {
+  double mean_s = 0.0, p95_s = 0.0, largest_s = 0.0;
+};
+
 /// Fixes of one recording, or of one floor.
 struct RunFigures {
   std::string name;
@@ -60,6 +65,7 @@ struct Evaluation {
   std::optional<double> nees_mean;         ///< over its degrees of freedom: 1 for honest covariances
   ErrorFigures errors{};
   double availability = 0.0, coverage = 0.0;  ///< as in RunFigures
+  std::optional<LatencyFigures> latency;      ///< where the time of reception was logged
   std::vector<RunFigures> runs;
   /// From the lowest one upwards, if the heights of the reference form several groups: "0.4 m" is the mean
   /// height of a group. Epochs without a fix count where the reference is at that time.
@@ -77,6 +83,7 @@ struct ReferencedRun {
   /// Point of the vehicle that fixes of an open attitude locate (models/localizers/common/open_attitude.h).
   /// They are compared there if the reference has an attitude.
   Eigen::Vector3d p_located_vehicle_m = Eigen::Vector3d::Zero();
+  std::vector<double> latencies_s{};  ///< of the fixes whose latency is known
 };
 
 /// Compares each fix with the reference interpolated at its time (never beyond its ends, nor over gaps longer

@@ -13,7 +13,7 @@ namespace py = pybind11;
 
 void register_rows() {
   PYBIND11_NUMPY_DTYPE(Arrival, time_s, tof_s, beacon, receiver, vehicle, epoch, amplitude_v,
-                       temperature_degC, line);
+                       temperature_degC, line, received_after_s);
   PYBIND11_NUMPY_DTYPE(OdometryStep, time_s, dx_m, dy_m, dheading_rad, vehicle, dz_m, turn_x_rad, turn_y_rad);
   PYBIND11_NUMPY_DTYPE(Bearing, time_s, bearing_rad, reflector, vehicle, epoch, line);
   PYBIND11_NUMPY_DTYPE(FixRow, time_s, epoch, vehicle, status, ok, x_m, y_m, z_m, heading_rad, qx, qy, qz, qw,

@@ -213,6 +213,7 @@ class BagLogReader {
     a.vehicle = number_of(text("vehicle"));
     a.amplitude_v = number("amplitude_v", NAN);
     a.temperature_degC = number("temperature_degC", NAN);
+    a.received_after_s = number("received_s", NAN) - a.time_s;
     if (const auto epoch = json.find("epoch"); epoch != json.end() && epoch->is_number_integer())
       a.epoch = epoch->get<std::int64_t>();
     log_.arrivals.push_back(a);

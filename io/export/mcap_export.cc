@@ -26,7 +26,7 @@ const McapSchema& arrival_schema() {
       kArrivalType, "jsonschema",
       R"({"type":"object","title":"octant.Arrival","properties":{"time_s":{"type":"number"},"beacon":{"type":"string"},)"
       R"("tof_s":{"type":"number"},"epoch":{"type":"integer"},"vehicle":{"type":"string"},"receiver":{"type":"string"},)"
-      R"("amplitude_v":{"type":"number"},"temperature_degC":{"type":"number"}}})"};
+      R"("amplitude_v":{"type":"number"},"temperature_degC":{"type":"number"},"received_s":{"type":"number"}}})"};
   return schema;
 }
 
@@ -166,6 +166,7 @@ class McapExport {
       json["receiver"] = names.receivers[a.receiver.index()].name;
     if (std::isfinite(a.amplitude_v)) json["amplitude_v"] = a.amplitude_v;
     if (std::isfinite(a.temperature_degC)) json["temperature_degC"] = a.temperature_degC;
+    if (std::isfinite(a.received_after_s)) json["received_s"] = a.time_s + a.received_after_s;
     out_.message(out_.channel("/octant/arrivals/" + beacon, arrival_schema(), "json"), at(a.time_s),
                  dumped(json));
   }

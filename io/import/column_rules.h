@@ -12,8 +12,8 @@ namespace octant::io {
 /// unit at the end of the source's name is converted (`timestamp_ms`, `Laufzeit [ms]`). Times may be dates
 /// (2026-06-11 11:33:48.686).
 struct ColumnRule {
-  std::string
-      target;  ///< time_s, beacon, tof_s, distance_m, epoch, vehicle, receiver, amplitude_v, temperature_degC
+  std::string target;  ///< time_s, beacon, tof_s, distance_m, epoch, vehicle, receiver, amplitude_v,
+                       ///< temperature_degC, received_s
   /// Name of a column, or its number from 1 ("#3"). For tof_s and distance_m it may be a pattern
   /// ("r_{beacon}") that matches one column for each beacon.
   std::string source;

@@ -46,7 +46,8 @@ std::string tof_text(const ImportedLog& log, std::optional<double> speed_mps, bo
              vehicle = any_arrival(log, [](const auto&a) { return a.vehicle >= 0; }),
              receiver = any_arrival(log, [](const auto&a) { return a.receiver >= 0; }),
              amplitude = any_arrival(log, [](const auto&a) { return std::isfinite(a.amplitude_v); }),
-             temperature = any_arrival(log, [](const auto&a) { return std::isfinite(a.temperature_degC); });
+             temperature = any_arrival(log, [](const auto&a) { return std::isfinite(a.temperature_degC); }),
+             received = any_arrival(log, [](const auto&a) { return std::isfinite(a.received_after_s); });
   std::vector<std::string> fields;
   for (const std::string& name : log.names.all()) fields.push_back(csv_field(name));
   const auto name = [&](int number) { return number < 0 ? "" : fields[static_cast<std::size_t>(number)]; };
@@ -56,6 +57,7 @@ std::string tof_text(const ImportedLog& log, std::optional<double> speed_mps, bo
   if (receiver) text += ",receiver";
   if (amplitude) text += ",amplitude_v";
   if (temperature) text += ",temperature_degC";
+  if (received) text += ",received_s";
   text += '\n';
   const auto out = std::back_inserter(text);
   for (const ImportedArrival& a : log.arrivals) {
@@ -66,6 +68,7 @@ std::string tof_text(const ImportedLog& log, std::optional<double> speed_mps, bo
     if (receiver) fmt::format_to(out, ",{}", name(a.receiver));
     if (amplitude) fmt::format_to(out, ",{}", number_field(a.amplitude_v));
     if (temperature) fmt::format_to(out, ",{}", number_field(a.temperature_degC));
+    if (received) fmt::format_to(out, ",{}", number_field(a.time_s + a.received_after_s));
     text += '\n';
   }
   return text;

@@ -39,6 +39,7 @@ struct ImportedArrival {
   std::int64_t epoch = kNoEpoch;
   double amplitude_v = std::numeric_limits<double>::quiet_NaN();
   double temperature_degC = std::numeric_limits<double>::quiet_NaN();
+  double received_after_s = std::numeric_limits<double>::quiet_NaN();  ///< time since time_s
 };
 
 struct ImportedLog {

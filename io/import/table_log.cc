@@ -163,7 +163,7 @@ class TableReader {
     double value = std::nan("");
     if (cell.empty()) return value;
     if (number(cell, value)) return scaled(value, column.unit.factor) + column.unit.offset;
-    const bool is_time = column.target->name == "time_s";
+    const bool is_time = column.target->name == "time_s" || column.target->name == "received_s";
     if (is_time)
       if (const auto time_s = time_of_text(cell)) return *time_s;
     return error(fmt::format("{} in column {}", in_quotes(cell), in_quotes(column.name)),
@@ -183,6 +183,7 @@ class TableReader {
     const double time_s = begun_ ? clock_.continued(stated_s, last_time_s_, line_) : stated_s;
     begun_ = true;
     unit_.add(time_s);
+    continued_by_s_ = time_s - stated_s;
     return last_time_s_ = time_s;
   }
 
@@ -200,6 +201,8 @@ class TableReader {
     }
     TableRow row;
     std::vector<std::string> fields;
+    std::optional<std::size_t> received;
+    double received_s = 0.0;
     for (const TableColumn& column : columns_) {
       const bool is_time = column.target->name == "time_s";
       if (column.target->is_id) {
@@ -209,8 +212,13 @@ class TableReader {
       const auto value = is_time ? time_of(column, cell(column)) : value_of(column, cell(column));
       if (!value) return fail(value.error());
       if (is_time) row.time_s = *value;
+      if (column.target->name == "received_s") {
+        received = fields.size();
+        received_s = seconds_of_stamp(*value);
+      }
       fields.push_back(number_field(*value));
     }
+    if (received) fields[*received] = number_field(received_s + continued_by_s_);  // on the clock of time_s
     add_rows(std::move(row), fields);
     return {};
   }
@@ -284,7 +292,7 @@ class TableReader {
   std::vector<TableRow> rows_;
   ContinuedClock clock_;
   TimeUnitCheck unit_;
-  double last_time_s_ = 0.0;
+  double last_time_s_ = 0.0, continued_by_s_ = 0.0;
   bool begun_ = false, stamps_ = false;
   ConvertedTable out_;
 };

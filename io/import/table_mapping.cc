@@ -24,7 +24,7 @@ constexpr std::size_t kHeaderBytes = 4096;  // longer lines are no header that p
 
 constexpr const char* kTargets =
     "time, beacon, tof or distance (distance:A1 for a column of beacon A1), epoch, vehicle, receiver, "
-    "amplitude, temperature";
+    "amplitude, temperature, received";
 
 /// The beacon and receiver of "distance:A1" or "distance:A1:front".
 void read_names(std::string_view names, ColumnRule& rule) {

@@ -37,6 +37,7 @@ std::string tof_to_csv(const MeasurementLog& log, const NameTable& names) {
   const bool receiver = names.receivers.size() > 1;
   const bool amplitude = any(rows, [](const Arrival& a) { return std::isfinite(a.amplitude_v); });
   const bool temperature = any(rows, [](const Arrival& a) { return std::isfinite(a.temperature_degC); });
+  const bool received = any(rows, [](const Arrival& a) { return std::isfinite(a.received_after_s); });
   const auto beacons = fields_of(names.beacons), vehicles = fields_of(names.vehicles);
   std::vector<std::string> receivers;
   for (const auto& r : names.receivers) receivers.push_back(csv_field(r.name));
@@ -47,6 +48,7 @@ std::string tof_to_csv(const MeasurementLog& log, const NameTable& names) {
   if (receiver) text += ",receiver";
   if (amplitude) text += ",amplitude_v";
   if (temperature) text += ",temperature_degC";
+  if (received) text += ",received_s";
   text += '\n';
   text.reserve(text.size() + rows.size() * 64);
   const Out out = std::back_inserter(text);
@@ -57,6 +59,7 @@ std::string tof_to_csv(const MeasurementLog& log, const NameTable& names) {
     if (receiver) fmt::format_to(out, ",{}", receivers[a.receiver.index()]);
     if (amplitude) fmt::format_to(out, ",{}", number_field(a.amplitude_v));
     if (temperature) fmt::format_to(out, ",{}", number_field(a.temperature_degC));
+    if (received) fmt::format_to(out, ",{}", number_field(a.time_s + a.received_after_s));
     text += '\n';
   }
   return text;

@@ -12,7 +12,8 @@ namespace {
 
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-bool same_but_line(const Arrival& a, const Arrival& b) {
+/// Returns true for one measurement, even if it was received twice.
+bool same_measurement(const Arrival& a, const Arrival& b) {
   return a.tof_s == b.tof_s && a.time_s == b.time_s && a.beacon == b.beacon && a.receiver == b.receiver &&
          a.vehicle == b.vehicle && a.epoch == b.epoch && same(a.amplitude_v, b.amplitude_v) &&
          same(a.temperature_degC, b.temperature_degC);
@@ -35,7 +36,7 @@ std::vector<int> RepeatedRows::drop(std::vector<Arrival>& all, std::size_t first
   std::multiset<Arrival, decltype(&comes_before)> many(
       &comes_before);  // the same rows, where there are many of one time
   const auto repeats = [&](const Arrival& a) {
-    const auto is_it = [&a](const Arrival& b) { return same_but_line(a, b); };
+    const auto is_it = [&a](const Arrival& b) { return same_measurement(a, b); };
     if (std::ranges::any_of(latest_, is_it)) return true;
     if (kept - of_time <= kFew)
       return std::any_of(all.begin() + static_cast<std::ptrdiff_t>(of_time),

@@ -65,6 +65,7 @@ struct TofChunkParser::Row {
   std::string_view beacon, vehicle, receiver;
   std::string_view tof;  // blanks included
   double level_dbm = std::numeric_limits<double>::quiet_NaN();
+  double received_s = std::numeric_limits<double>::quiet_NaN();
   bool level_ok = true;  // asked for only where there is no amplitude
 };
 
@@ -83,7 +84,8 @@ TofChunkParser::TofChunkParser(std::size_t columns_in_file, const TofColumns& co
                                         {columns.receiver, Cell::kReceiver},
                                         {columns.amplitude, Cell::kAmplitude},
                                         {columns.level, Cell::kLevel},
-                                        {columns.temperature, Cell::kTemperature}};
+                                        {columns.temperature, Cell::kTemperature},
+                                        {columns.received, Cell::kReceived}};
   for (const auto& [column, cell] : known) {
     if (column >= 0) cells_[static_cast<std::size_t>(column)] = cell;
   }
@@ -127,6 +129,7 @@ TofChunkParser::TofChunkParser(std::size_t columns_in_file, const TofColumns& co
     case Cell::kLevel: row.level_ok = cursor.number(row.level_dbm); return true;
     case Cell::kTemperature:
       return cursor.number(arrival.temperature_degC) && is_temperature(arrival.temperature_degC);
+    case Cell::kReceived: return cursor.number(row.received_s);
   }
   return false;
 }
@@ -151,6 +154,7 @@ inline bool TofChunkParser::settle(const Row& row, Arrival& arrival, TofChunk& o
     arrival.amplitude_v = amplitude_of_level(row.level_dbm);
   }
   arrival.amplitude_v = usable_amplitude(arrival.amplitude_v);
+  arrival.received_after_s = reception_delay_s(arrival.time_s, row.received_s);
   arrival.line = out.lines;
   ++out.rows;
   if (!(arrival.tof_s > 0.0) || arrival.tof_s > kLargestTof_s) {

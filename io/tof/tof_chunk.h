@@ -60,7 +60,8 @@ class TofChunkParser {
     kReceiver,
     kAmplitude,
     kLevel,
-    kTemperature
+    kTemperature,
+    kReceived
   };
   struct Row;  // cells of a row that depend on each other
 

@@ -65,7 +65,8 @@ TofColumns::TofColumns(CsvReader& csv, const DistanceAsTime& as_time)
       receiver(csv.find("receiver")),
       amplitude(csv.find("amplitude_v")),
       level(csv.find("level_dbm")),
-      temperature(csv.find("temperature_degC")) {}
+      temperature(csv.find("temperature_degC")),
+      received(csv.find("received_s")) {}
 
 double amplitude_of_level(double level_dbm) { return std::sqrt(0.05 * std::pow(10.0, level_dbm / 10.0)); }
 
@@ -108,6 +109,9 @@ bool read_tof_row(CsvReader& csv, const TofColumns& columns, const NameLookup& n
   if (!read_amplitude(csv, columns, arrival.amplitude_v)) return false;
   if (columns.temperature >= 0 && !read_temperature(csv, columns.temperature, arrival.temperature_degC))
     return false;
+  double received_s = std::numeric_limits<double>::quiet_NaN();
+  if (columns.received >= 0 && !csv.number_or_nan(columns.received, received_s)) return false;
+  arrival.received_after_s = reception_delay_s(arrival.time_s, received_s);
   arrival.line = csv.line();
   return true;
 }

@@ -30,7 +30,7 @@ struct DistanceAsTime {
 struct TofColumns {
   int time, beacon;
   bool distance;  ///< `tof` is distance_m, in metres
-  int tof, epoch, vehicle, receiver, amplitude, level, temperature;
+  int tof, epoch, vehicle, receiver, amplitude, level, temperature, received;
   TofColumns(CsvReader& csv, const DistanceAsTime& distance);
 };
 
@@ -41,6 +41,11 @@ struct TofColumns {
 }
 /// Effective voltage of a power into 50 ohm: V = sqrt(R P), P = 1 mW 10^(dBm / 10).
 [[nodiscard]] double amplitude_of_level(double level_dbm);
+/// Time from an instant until its reception; NaN if the latter is not finite.
+[[nodiscard]] inline float reception_delay_s(double time_s, double received_s) {
+  const auto delay_s = static_cast<float>(received_s - time_s);
+  return std::isfinite(delay_s) ? delay_s : std::numeric_limits<float>::quiet_NaN();
+}
 /// NaN: not logged.
 [[nodiscard]] inline bool is_temperature(double temperature_degC) {
   return std::isnan(temperature_degC) || std::abs(temperature_degC) <= 100.0;

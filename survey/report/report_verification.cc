@@ -65,6 +65,12 @@ std::optional<ReportSection> verification_section(const ReportInput& input) {
     table.add("availability", fmt::format("{:.1f} % of the epochs or instants", 100 * e.availability));
     table.add("coverage", fmt::format("{:.1f} % of the reference", 100 * e.coverage));
   }
+  if (e.latency) {
+    table.add("latency, mean",
+              fmt::format("{:.3g} s until the last arrival was received", e.latency->mean_s));
+    table.add("latency, 95 %", fmt::format("{:.3g} s", e.latency->p95_s));
+    table.add("latency, largest", fmt::format("{:.3g} s", e.latency->largest_s));
+  }
   if (e.heading_rmse_rad) table.add("heading error, RMSE", fmt::format("{:.4f} rad", *e.heading_rmse_rad));
   if (e.nees_mean)
     table.add("NEES over its degrees of freedom",

@@ -161,6 +161,27 @@ TEST_F(Road, LocalizeAndVerify) {
   EXPECT_EQ(verdict["calibration_runs"].size(), 0U);
 }
 
+/// Each row is received 0.05 s after its time, so a fix in the middle of its epoch is complete later than
+/// that.
+TEST_F(Road, VerifyReportsTheLatencyOfLoggedReceptions) {
+  std::istringstream rows(slurp(hall("heldout/tof.csv")));
+  std::string row, text;
+  std::getline(rows, row);
+  text = row + ",received_s\n";
+  while (std::getline(rows, row)) text += fmt::format("{},{}\n", row, std::stod(row) + 0.05);
+  const auto without = octant({"verify", hall("deployment.true.json"), hall("heldout"), "--json"}).json();
+  EXPECT_TRUE(without["latency_s"].is_null() && without["latency_p95_s"].is_null());
+  spit(hall("heldout/tof.csv"), text);
+  const auto with = octant({"verify", hall("deployment.true.json"), hall("heldout"), "--json"}).json();
+  EXPECT_GE(with["latency_s"].get<double>(), 0.05 - 1e-6);
+  EXPECT_LT(with["latency_s"].get<double>(), 2.0);
+  EXPECT_GE(with["latency_p95_s"], with["latency_s"]);
+  EXPECT_GE(with["latency_max_s"], with["latency_p95_s"]);
+  EXPECT_EQ(with["position_rmse_m"], without["position_rmse_m"]);
+  EXPECT_THAT(octant({"verify", hall("deployment.true.json"), hall("heldout")}).out,
+              HasSubstr("latency          mean "));
+}
+
 TEST_F(Road, VerifyWarnsOfARunOfTheCalibration) {
   ASSERT_EQ(calibrate().exit, 0);
   const Outcome checked = octant({"verify", out("d.json"), hall("run"), "--json"});

@@ -16,6 +16,7 @@
 #include "io/text/bounds.h"
 #include "models/changes/chi_square.h"
 #include "models/localizers/common/open_attitude.h"
+#include "survey/latency.h"
 
 namespace octant::app {
 
@@ -170,6 +171,7 @@ survey::Evaluation verify_fixes(const Deployment& deployment, const std::vector<
     std::ranges::copy_if(fixes, std::back_inserter(run.fixes), [&](const Fix& fix) {
       return !runs[i].vehicle.valid() || !fix.vehicle.valid() || fix.vehicle == runs[i].vehicle;
     });
+    run.latencies_s = survey::latencies_s(run.fixes, runs[i]);
     referenced.push_back(std::move(run));
   }
   return survey::evaluate(referenced, deployment.motion, deployment.tolerance);
@@ -235,7 +237,9 @@ Json evaluation_json(const survey::Evaluation& e) {
                  {"no_fix", e.no_fix},
                  {"availability", e.availability},
                  {"coverage", e.coverage},
-                 {"latency_s", nullptr},
+                 {"latency_s", e.latency ? Json(e.latency->mean_s) : Json(nullptr)},
+                 {"latency_p95_s", e.latency ? Json(e.latency->p95_s) : Json(nullptr)},
+                 {"latency_max_s", e.latency ? Json(e.latency->largest_s) : Json(nullptr)},
                  {"runs", runs_json(e.runs, "run")},
                  {"floors", runs_json(e.floors, "floor")},
                  {"matched", e.matched},
@@ -336,6 +340,9 @@ std::string evaluation_text(const survey::Evaluation& e, const Localization& loc
     line("availability", fmt::format("{:.1f} % of the epochs, coverage {:.1f} % of the reference",
                                      100 * e.availability, 100 * e.coverage));
   }
+  if (e.latency)
+    line("latency", fmt::format("mean {:.3g} s, 95 % {:.3g} s, largest {:.3g} s", e.latency->mean_s,
+                                e.latency->p95_s, e.latency->largest_s));
   if (e.heading_rmse_rad) line("heading error", fmt::format("RMSE {:.4f} rad", *e.heading_rmse_rad));
   if (e.nees_mean)
     line("NEES", fmt::format("{:.2f} of its degrees of freedom (1: stated sigmas are honest)", *e.nees_mean));

@@ -51,10 +51,11 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Gate, name, limit, value, pass)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(ErrorFigures, mean_m, rmse_m, ce50_m, ce95_m, ve95_m, se95_m)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(RunFigures, name, fixes, no_fix, matched, errors,
                                                 availability, coverage)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LatencyFigures, mean_s, p95_s, largest_s)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(Evaluation, fixes, no_fix, matched, position_rmse_m,
                                                 position_p95_m, max_error_m, error_quantiles_m,
                                                 heading_rmse_rad, nees_mean, errors, availability, coverage,
-                                                runs, gates)
+                                                latency, runs, floors, gates)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE_WITH_DEFAULT(BeaconChange, name, shift_m, sigma_m, p, delay_change_s,
                                                 delay_sigma_s, delay_p, significant, delay_significant,
                                                 by_datum)

@@ -305,7 +305,7 @@ MeasurementLog some_log() {
   log.temperature_degC = test::maybe(test::some_fraction());
   log.relative_humidity = test::maybe(test::some_fraction());
   const bool epochs = *rc::gen::arbitrary<bool>(), amplitude = *rc::gen::arbitrary<bool>(),
-             in_space = *rc::gen::arbitrary<bool>();
+             received = *rc::gen::arbitrary<bool>(), in_space = *rc::gen::arbitrary<bool>();
   double time_s = test::some_number();
   for (int i = 0, n = *rc::gen::inRange(1, 8); i < n; ++i) {
     time_s += test::some_positive();
@@ -317,6 +317,7 @@ MeasurementLog some_log() {
               .vehicle = kNames.receivers[receiver.index()].vehicle};
     if (epochs) a.epoch = i / 2 - 2;
     if (amplitude && i % 2 == 0) a.amplitude_v = test::some_positive();
+    if (received && i % 2 == 0) a.received_after_s = static_cast<float>(test::some_fraction());
     log.arrivals.push_back(a);
     Bearing b{
         .time_s = time_s, .bearing_rad = test::some_fraction(), .reflector = {}, .vehicle = VehicleId(1)};
@@ -351,6 +352,8 @@ void assert_same(const MeasurementLog& a, const MeasurementLog& b) {
     const Arrival &x = a.arrivals[i], &y = b.arrivals[i];
     RC_ASSERT(x.time_s == y.time_s && x.tof_s == y.tof_s && x.beacon == y.beacon && x.receiver == y.receiver);
     RC_ASSERT(x.vehicle == y.vehicle && x.epoch == y.epoch && same(x.amplitude_v, y.amplitude_v));
+    RC_ASSERT(std::isnan(x.received_after_s) == std::isnan(y.received_after_s));  // written as a sum
+    RC_ASSERT(!(std::abs(x.received_after_s - y.received_after_s) > 1e-6 + 1e-15 * std::abs(x.time_s)));
     const Bearing &p = a.bearings[i], &q = b.bearings[i];
     RC_ASSERT(p.time_s == q.time_s && p.bearing_rad == q.bearing_rad && p.reflector == q.reflector &&
               p.vehicle == q.vehicle);

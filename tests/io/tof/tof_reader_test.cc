@@ -34,7 +34,8 @@ std::string outcome_of(const std::string& path, Clock clock, const TofReaderOpti
     if (!*more) break;
   }
   for (const Arrival& a : all) {
-    for (const double value : {a.time_s, a.tof_s, a.amplitude_v, a.temperature_degC})
+    for (const double value :
+         {a.time_s, a.tof_s, a.amplitude_v, a.temperature_degC, double{a.received_after_s}})
       out += std::isnan(value) ? "nan " : std::to_string(std::bit_cast<std::uint64_t>(value)) + " ";
     for (const std::int64_t value : {std::int64_t{a.beacon.value}, std::int64_t{a.receiver.value},
                                      std::int64_t{a.vehicle.value}, a.epoch, std::int64_t{a.line}})
@@ -92,6 +93,7 @@ std::string some_cell(const std::string& column, int row, std::mt19937& random, 
   if (column == "vehicle") return row % 3 == 0 ? "cart" : one_of(random, "robot", "");
   if (column == "receiver") return "r0";
   if (column == "amplitude_v" || column == "level_dbm") return one_of(random, "0.5", "-80", "", "nan", "0");
+  if (column == "received_s") return one_of(random, std::to_string(1000 + row / 3) + ".75", "", "nan");
   if (column == "temperature_degC") return one_of(random, "21.5", "-3", "");
   return one_of(random, "red", "", "a b", "3.4.5", "ü");
 }
@@ -99,7 +101,7 @@ std::string some_cell(const std::string& column, int row, std::mt19937& random, 
 std::string some_file(std::mt19937& random, const Oddness& odd) {
   std::vector<std::string> columns = {"time_s", "beacon", "tof_s", "receiver"};
   for (const char* more :
-       {"epoch", "vehicle", "amplitude_v", "level_dbm", "temperature_degC", "colour", "note"})
+       {"epoch", "vehicle", "amplitude_v", "level_dbm", "temperature_degC", "received_s", "colour", "note"})
     if (random() % 2 == 0) columns.emplace_back(more);
   std::shuffle(columns.begin(), columns.end(), random);
   const std::string newline = random() % 2 == 0 ? "\n" : "\r\n";

@@ -100,8 +100,8 @@ Read read(const std::string& text, const DistanceAsTime& as_time = {}) {
 
 TEST(TofRows, ARowIsItsCells) {
   const Read r = read(
-      "epoch,tof_s,beacon,time_s,receiver,vehicle,amplitude_v,temperature_degC\n7,0.01,B1,2.5,r0,robot,1.25,"
-      "21.5\n");
+      "epoch,tof_s,beacon,time_s,receiver,vehicle,amplitude_v,temperature_degC,received_s\n"
+      "7,0.01,B1,2.5,r0,robot,1.25,21.5,2.75\n");
   ASSERT_EQ(r.error, "");
   const Arrival& a = r.arrivals.at(0);
   EXPECT_EQ(a.epoch, 7);
@@ -111,13 +111,14 @@ TEST(TofRows, ARowIsItsCells) {
   EXPECT_EQ(a.receiver, ReceiverId(0));
   EXPECT_EQ(a.amplitude_v, 1.25);
   EXPECT_EQ(a.temperature_degC, 21.5);
+  EXPECT_EQ(a.received_after_s, 0.25F);
   EXPECT_EQ(a.line, 2);
 }
 
 TEST(TofRows, WhatIsNotThereIsNotLogged) {
   const Arrival a = read("time_s,beacon,tof_s\n1,B0,0.01\n").arrivals.at(0);
   EXPECT_EQ(a.epoch, kNoEpoch);
-  EXPECT_TRUE(std::isnan(a.amplitude_v) && std::isnan(a.temperature_degC));
+  EXPECT_TRUE(std::isnan(a.amplitude_v) && std::isnan(a.temperature_degC) && std::isnan(a.received_after_s));
   EXPECT_TRUE(std::isnan(read("time_s,beacon,tof_s\n1,B0,\n").arrivals.at(0).tof_s));
 }
 
