@@ -4,7 +4,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <string>
 #include <vector>
 
 #include "models/network/network.h"
@@ -16,6 +15,9 @@ struct NetworkOptions {
   bool sigmas_a_posteriori = false;  ///< scale covariances by the estimated variance factor
   int max_iterations = 50;           ///< Gauss-Newton steps
   double tolerance_m = 1e-9;         ///< largest coordinate step of a converged adjustment
+  /// Inner constraints refer to the coordinates before each step instead of the approximate coordinates.
+  bool datum_follows = false;
+  int dense_limit = 1000;  ///< largest number of unknowns whose whole covariance matrix is computed
 };
 
 enum class NetworkStatus {
@@ -35,13 +37,14 @@ struct ObservationResult {
 struct NetworkSolution {
   NetworkStatus status = NetworkStatus::kNotConverged;
   int iterations = 0;
-  int defect = 0;                ///< datum defect, fixed by inner constraints over the datum coordinates
-  int redundancy = 0;            ///< observations less unknowns plus defect
-  double variance_factor = 1.0;  ///< a posteriori, relative to sigma_unit squared; 1 without redundancy
-  std::vector<std::string> undetermined;  ///< points that the observations do not determine
-  std::vector<Eigen::Vector3d> points_m;  ///< adjusted, in the order of the network
+  int defect = 0;                 ///< datum defect, fixed by inner constraints over the datum coordinates
+  int redundancy = 0;             ///< observations less unknowns plus defect
+  double variance_factor = 1.0;   ///< a posteriori, relative to sigma_unit squared; 1 without redundancy
+  std::vector<int> undetermined;  ///< unknowns that observations and datum do not determine
+  std::vector<Eigen::Vector3d> points_m;              ///< adjusted, in the order of the network
+  std::vector<Eigen::Matrix3d> point_covariances_m2;  ///< zero where a coordinate is fixed or absent
   Eigen::VectorXd unknowns;    ///< coordinates [m], orientations [rad], scales less one, constants [m]
-  Eigen::MatrixXd covariance;  ///< of the unknowns
+  Eigen::MatrixXd covariance;  ///< of the unknowns; empty beyond the dense limit
   std::vector<ObservationResult> observations;
 };
 

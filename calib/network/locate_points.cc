@@ -24,10 +24,14 @@ bool is_distance(const SurveyObservation& o) {
 
 class PointSearch {
  public:
-  explicit PointSearch(Network start) : network(std::move(start)) {
-    for (const SurveyObservation& o : network.observations)
+  explicit PointSearch(Network start) : network(std::move(start)), of_point_(network.points.size()) {
+    for (std::size_t i = 0; i < network.observations.size(); ++i) {
+      const SurveyObservation& o = network.observations[i];
+      for (const int p : {o.from, o.to, o.second})
+        if (p >= 0) of_point_[static_cast<std::size_t>(p)].push_back(i);
       if (o.kind == SurveyKind::kZenithAngle)
         zenith_[{o.from, o.to}] = zenith_[{o.to, o.from}] = std::sin(o.value);
+    }
   }
 
   /// Locates points until no observation locates another one.
@@ -36,7 +40,7 @@ class PointSearch {
       progress = false;
       orient();
       for (std::size_t p = 0; p < network.points.size(); ++p)
-        progress = (!in_plane(static_cast<int>(p)) && locate(static_cast<int>(p))) || progress;
+        progress = (is_sought(p) && locate(static_cast<int>(p))) || progress;
       for (const SurveyObservation& o : network.observations) progress = height(o) || progress;
     }
   }
@@ -59,6 +63,9 @@ class PointSearch {
   Network network;
 
  private:
+  [[nodiscard]] bool is_sought(std::size_t p) const {
+    return network.points[p].role[0] != CoordinateRole::kAbsent && !in_plane(static_cast<int>(p));
+  }
   [[nodiscard]] const Eigen::Vector3d& at(int p) const {
     return network.points[static_cast<std::size_t>(p)].p_map_m;
   }
@@ -112,7 +119,8 @@ class PointSearch {
   bool locate(int p) {
     std::vector<Locus> loci;
     std::map<int, const SurveyObservation*> first;
-    for (const SurveyObservation& o : network.observations) {
+    for (const std::size_t i : of_point_[static_cast<std::size_t>(p)]) {
+      const SurveyObservation& o = network.observations[i];
       if (o.kind >= SurveyKind::kX)
         difference(o, p);
       else if (o.kind != SurveyKind::kZenithAngle && o.kind != SurveyKind::kHeightDifference)
@@ -150,8 +158,9 @@ class PointSearch {
     return known(o.to, 2) && set(o.from, 2, at(o.to).z() - rise_m);
   }
 
-  std::map<std::pair<int, int>, double> zenith_;  ///< sine by points
-  std::map<int, double> orientation_;             ///< by set
+  std::vector<std::vector<std::size_t>> of_point_;  ///< indices of its observations
+  std::map<std::pair<int, int>, double> zenith_;    ///< sine by points
+  std::map<int, double> orientation_;               ///< by set
 };
 
 bool is_needed(const NetworkPoint& point, std::size_t axis) {
@@ -199,20 +208,23 @@ bool join(const PointSearch& local, PointSearch& search) {
   return true;
 }
 
-/// Locates points in a frame with its origin at one end of a distance and its x axis towards the other end.
-bool locate_by_local_frame(PointSearch& search) {
+/// Locates points in a frame with its origin at one end of an observation and its x axis towards the other
+/// end. The length of the base is observed, or one in a frame without distances.
+bool locate_by_local_frame(PointSearch& search, bool by_distance) {
   int frames = 0;
   for (const SurveyObservation& o : search.network.observations) {
-    if (!is_distance(o) || (search.in_plane(o.from) && search.in_plane(o.to))) continue;
+    const bool is_base = by_distance ? is_distance(o) : o.kind <= SurveyKind::kAngle;
+    if (!is_base || (search.in_plane(o.from) && search.in_plane(o.to))) continue;
     if (++frames > kMostFrames) break;
     Network network = search.network;
-    std::erase_if(network.observations, [](const SurveyObservation& other) {
-      return other.kind == SurveyKind::kAzimuth || other.kind >= SurveyKind::kX;
+    std::erase_if(network.observations, [&](const SurveyObservation& other) {
+      return other.kind == SurveyKind::kAzimuth || other.kind >= SurveyKind::kX ||
+             (!by_distance && is_distance(other));
     });
     for (NetworkPoint& point : network.points) point.known[0] = point.known[1] = false;
     PointSearch local(std::move(network));
     local.set_plane(o.from, Eigen::Vector2d::Zero());
-    local.set_plane(o.to, {search.horizontal_m(o), 0.0});
+    local.set_plane(o.to, {by_distance ? search.horizontal_m(o) : 1.0, 0.0});
     local.propagate();
     if (join(local, search)) return true;
   }
@@ -230,7 +242,7 @@ LocatedNetwork locate_points(Network network) {
   PointSearch search(std::move(network));
   if (!open.empty()) {
     do search.propagate();
-    while (locate_by_local_frame(search));
+    while (locate_by_local_frame(search, true) || locate_by_local_frame(search, false));
   }
   located.network = std::move(search.network);
   for (const std::size_t p : open) {

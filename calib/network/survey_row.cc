@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/network/survey_row.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -140,6 +141,26 @@ SurveyRow survey_row(const Network& network, const NetworkColumns& columns,
   const bool angle = observation.kind <= SurveyKind::kZenithAngle;
   build.row.misclosure = angle ? std::remainder(difference, 2.0 * std::numbers::pi) : difference;
   return build.row;
+}
+
+Eigen::VectorXd initial_unknowns(const Network& network, const NetworkColumns& columns) {
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(columns.size);
+  for (std::size_t p = 0; p < network.points.size(); ++p)
+    for (std::size_t i = 0; i < 3; ++i)
+      if (const int c = columns.point[p][i]; c >= 0) x[c] = network.points[p].p_map_m[static_cast<int>(i)];
+  std::vector<std::vector<double>> orientations(static_cast<std::size_t>(network.sets));
+  for (const SurveyObservation& o : network.observations)
+    if (o.kind == SurveyKind::kDirection)
+      orientations[static_cast<std::size_t>(o.set)].push_back(-survey_row(network, columns, o, x).misclosure);
+  for (std::size_t set = 0; set < orientations.size(); ++set) {
+    if (orientations[set].empty()) continue;
+    const double first = orientations[set].front();
+    for (double& o : orientations[set]) o = std::remainder(o - first, 2.0 * std::numbers::pi);
+    const auto middle = orientations[set].begin() + static_cast<std::ptrdiff_t>(orientations[set].size() / 2);
+    std::ranges::nth_element(orientations[set], middle);
+    x[columns.first_set + static_cast<int>(set)] = first + *middle;
+  }
+  return x;
 }
 
 }  // namespace octant::calib

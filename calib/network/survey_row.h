@@ -30,4 +30,7 @@ struct SurveyRow {
 [[nodiscard]] SurveyRow survey_row(const Network& network, const NetworkColumns& columns,
                                    const SurveyObservation& observation, const Eigen::VectorXd& x);
 
+/// Unknowns at the approximate coordinates; the orientation of a set is the median over its directions.
+[[nodiscard]] Eigen::VectorXd initial_unknowns(const Network& network, const NetworkColumns& columns);
+
 }  // namespace octant::calib

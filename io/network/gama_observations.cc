@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string_view>
@@ -45,22 +46,6 @@ std::optional<GamaAngle> parse_gama_angle(const std::string& text) {
   return GamaAngle{sign * degrees * kDegree, kDegree / 3600.0};
 }
 
-GamaObservations::GamaObservations(NetworkFile& file, XmlLog& log, GamaSigmas sigmas)
-    : file_(file), log_(log), sigmas_(std::move(sigmas)) {}
-
-int GamaObservations::point(const pugi::xml_node& node, const std::string& id) {
-  if (id.empty()) log_.fail(node, fmt::format("<{}> without the id of a point", node.name()), "an id");
-  const auto [at, added] = index_.emplace(id, static_cast<int>(file_.network.points.size()));
-  if (added) file_.network.points.push_back({.id = id, .known = {false, false, false}});
-  return at->second;
-}
-
-int GamaObservations::end_point(const pugi::xml_node& node, const char* attribute) {
-  if (!node.attribute(attribute))
-    log_.fail(node, fmt::format("<{}> without '{}'", node.name(), attribute), "the id of a point");
-  return point(node, XmlLog::text(node, attribute));
-}
-
 void GamaObservations::read_cluster(const pugi::xml_node& cluster) {
   first_ = static_cast<int>(file_.network.observations.size());
   set_ = -1;
@@ -83,20 +68,30 @@ void GamaObservations::read_cluster(const pugi::xml_node& cluster) {
     else
       log_.fail(node, fmt::format("<{}> in <{}>", name, kind), "an observation of this kind of cluster");
   }
-  if (covariance) return read_covariance(covariance);
-  for (std::size_t i = static_cast<std::size_t>(first_); i < file_.network.observations.size(); ++i)
-    if (file_.network.observations[i].sigma < 0.0 && !log_.error) {
+  if (covariance)
+    read_covariance(covariance);
+  else
+    check_sigmas(cluster);
+}
+
+void GamaObservations::check_sigmas(const pugi::xml_node& cluster) {
+  for (std::size_t i = static_cast<std::size_t>(first_); i < file_.network.observations.size(); ++i) {
+    const SurveyObservation& o = file_.network.observations[i];
+    if (o.sigma > 0.0 || log_.error) continue;
+    if (o.sigma < 0.0)
       log_.fail(cluster, "an observation without standard deviation",
                 "'stdev', a value of <points-observations>, or <cov-mat>");
-      log_.error->line = file_.network.observations[i].line;
-    }
+    else
+      log_.fail(cluster, "standard deviation 0", "a positive number");
+    log_.error->line = o.line;
+  }
 }
 
 void GamaObservations::add(const pugi::xml_node& node, SurveyObservation o, double unit,
                            std::optional<double> sigma) {
   o.line = log_.line(node);
   o.sigma = sigma ? *sigma * unit : -1.0;
-  if (sigma && !(*sigma > 0.0))
+  if (sigma && *sigma < 0.0)
     log_.fail(node, fmt::format("standard deviation {} of <{}>", exact(*sigma), node.name()),
               "a positive number");
   file_.network.observations.push_back(o);
@@ -107,8 +102,9 @@ void GamaObservations::read_observation(const pugi::xml_node& node, const pugi::
   SurveyObservation o;
   o.kind = kObservationKinds.find(std::string_view(node.name()))->second;
   o.from = end_point(node.attribute("from") ? node : cluster, "from");
-  o.to = end_point(node, o.kind == SurveyKind::kAngle ? "bs" : "to");
-  if (o.kind == SurveyKind::kAngle) o.second = end_point(node, "fs");
+  const bool angle = o.kind == SurveyKind::kAngle;
+  o.to = end_point(node, angle && !node.attribute("to") ? "bs" : "to");  // old files: to, rs for bs, fs
+  if (angle) o.second = end_point(node, node.attribute("rs") ? "rs" : "fs");
   o.instrument_height_m =
       log_.number(node, "from_dh").value_or(log_.number(cluster, "from_dh").value_or(0.0));
   o.target_height_m = log_.number(node, "to_dh").value_or(0.0);
@@ -124,6 +120,9 @@ void GamaObservations::add_angle(const pugi::xml_node& node, SurveyObservation o
   o.value = angle->value_rad;
   if (o.kind != SurveyKind::kZenithAngle) o.value *= file_.angle_sign;
   if (o.kind == SurveyKind::kAzimuth) o.value += file_.north_rad;
+  // A zenith angle beyond the nadir was observed in the second face.
+  if (o.kind == SurveyKind::kZenithAngle && o.value > std::numbers::pi)
+    o.value = 2.0 * std::numbers::pi - o.value;
   if (o.kind == SurveyKind::kDirection) {
     if (set_ < 0) set_ = file_.network.sets++;
     o.set = set_;
@@ -167,6 +166,7 @@ void GamaObservations::read_vector(const pugi::xml_node& node) {
 }
 
 void GamaObservations::read_coordinates(const pugi::xml_node& node) {
+  read_point(node);
   SurveyObservation o{.from = end_point(node, "id")};
   for (const auto& [kind, name] :
        {std::pair{SurveyKind::kX, "x"}, {SurveyKind::kY, "y"}, {SurveyKind::kZ, "z"}}) {
@@ -190,17 +190,28 @@ void GamaObservations::read_covariance(const pugi::xml_node& node) {
   if (static_cast<Eigen::Index>(values.size()) != expected)
     return log_.fail(node, fmt::format("<cov-mat> with {} numbers", values.size()),
                      fmt::format("{} numbers: the upper triangle, by rows", expected));
-  ObservationCovariance block{first_, Eigen::MatrixXd::Zero(n, n)};
-  auto value = values.begin();
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index k = i; k <= std::min(i + band, n - 1); ++k, ++value) {
-      const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(k);
-      block.covariance(i, k) = block.covariance(k, i) = *value * units_[row] * units_[column];
+  // Rows without covariances to later ones end a block: a long list of vectors has small blocks.
+  const auto value = [&](Eigen::Index i, Eigen::Index k) {
+    const Eigen::Index shorter = std::max<Eigen::Index>(i - n + band, 0);
+    return values[static_cast<std::size_t>(i * (band + 1) - shorter * (shorter + 1) / 2 + k - i)];
+  };
+  const auto unit = [&](Eigen::Index i) { return units_[static_cast<std::size_t>(i)]; };
+  for (Eigen::Index begin = 0, end = 0; begin < n; begin = end) {
+    for (Eigen::Index i = begin, reach = begin; i <= reach; end = ++i)
+      for (Eigen::Index k = i; k <= std::min(i + band, n - 1); ++k)
+        if (value(i, k) != 0.0) reach = std::max(reach, k);
+    ObservationCovariance block{first_ + static_cast<int>(begin),
+                                Eigen::MatrixXd::Zero(end - begin, end - begin)};
+    for (Eigen::Index i = begin; i < end; ++i) {
+      for (Eigen::Index k = i; k <= std::min(i + band, end - 1); ++k)
+        block.covariance(i - begin, k - begin) = block.covariance(k - begin, i - begin) =
+            value(i, k) * unit(i) * unit(k);
+      file_.network.observations[static_cast<std::size_t>(first_ + i)].sigma =
+          std::sqrt(std::max(block.covariance(i - begin, i - begin), 0.0));
     }
-  for (Eigen::Index i = 0; i < n; ++i)
-    file_.network.observations[static_cast<std::size_t>(first_ + i)].sigma =
-        std::sqrt(std::max(block.covariance(i, i), 0.0));
-  file_.network.covariances.push_back(std::move(block));
+    if (end - begin > 1 || block.covariance(0, 0) <= 0.0)
+      file_.network.covariances.push_back(std::move(block));
+  }
 }
 
 }  // namespace octant::io

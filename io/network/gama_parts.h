@@ -27,16 +27,18 @@ struct GamaSigmas {
   std::array<double, 3> distance{};       ///< a + b D^c [mm], D in km; 0: not given
 };
 
-/// Reads <obs>, <height-differences>, <vectors> and <coordinates>, each a cluster that may have a covariance
-/// matrix.
+/// Reads <point>, and <obs>, <height-differences>, <vectors> and <coordinates>, each a cluster that may have
+/// a covariance matrix.
 class GamaObservations {
  public:
-  GamaObservations(NetworkFile& file, XmlLog& log, GamaSigmas sigmas);
+  GamaObservations(NetworkFile& file, XmlLog& log) : file_(file), log_(log) {}
+  /// Attributes of <points-observations>.
+  void read_sigmas(const pugi::xml_node& node);
+  void read_point(const pugi::xml_node& node);
   void read_cluster(const pugi::xml_node& cluster);
-  /// Index of a point, which is added if it is new.
-  int point(const pugi::xml_node& node, const std::string& id);
 
  private:
+  int point(const pugi::xml_node& node, const std::string& id);
   void read_observation(const pugi::xml_node& node, const pugi::xml_node& cluster);
   void read_height_difference(const pugi::xml_node& node);
   void read_vector(const pugi::xml_node& node);
@@ -45,6 +47,7 @@ class GamaObservations {
   void add_distance(const pugi::xml_node& node, SurveyObservation o);
   /// @param sigma  in `unit`; nullopt where only a covariance matrix can give it
   void add(const pugi::xml_node& node, SurveyObservation o, double unit, std::optional<double> sigma);
+  void check_sigmas(const pugi::xml_node& cluster);
   void read_covariance(const pugi::xml_node& node);
   [[nodiscard]] int end_point(const pugi::xml_node& node, const char* attribute);
 
@@ -57,8 +60,5 @@ class GamaObservations {
   int set_ = -1;
   std::vector<double> units_;
 };
-
-/// Removes observations of points that have no role in the adjustment.
-void leave_out_unused(NetworkFile& file);
 
 }  // namespace octant::io

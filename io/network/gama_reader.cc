@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <cctype>
 #include <numbers>
 #include <set>
 #include <string_view>
@@ -38,146 +36,66 @@ void read_parameters(const pugi::xml_node& node, NetworkFile& file, XmlLog& log)
   const std::string actual = XmlLog::text(node, "sigma-act");
   if (!actual.empty() && actual != "apriori" && actual != "aposteriori")
     log.fail(node, fmt::format("sigma-act={}", in_quotes(actual)), "apriori or aposteriori");
-  file.sigmas_a_posteriori = actual != "apriori";
+  if (!actual.empty()) file.sigmas_a_posteriori = actual == "aposteriori";
+  if (const auto limit_mm = log.number(node, "tol-abs", kPositive)) file.outlier_limit_m = 1e-3 * *limit_mm;
+  file.datum_follows = XmlLog::text(node, "update-constrained-coordinates") == "yes";
 }
 
-GamaSigmas read_sigmas(const pugi::xml_node& node, XmlLog& log) {
-  GamaSigmas sigmas;
-  for (const auto& [attribute, element] : {std::pair{"direction-stdev", "direction"},
-                                           {"angle-stdev", "angle"},
-                                           {"zenith-angle-stdev", "z-angle"},
-                                           {"azimuth-stdev", "azimuth"}})
-    if (const auto sigma = log.number(node, attribute, kPositive)) sigmas.angular[element] = *sigma;
-  if (!node.attribute("distance-stdev")) return sigmas;
-  const std::vector<double> abc = log.numbers(node, node.attribute("distance-stdev").value());
-  if (abc.empty() || abc.size() > 3 || !std::ranges::all_of(abc, [](double v) { return v >= 0.0; }))
-    log.fail(node, "distance-stdev of <points-observations>", "one to three numbers that are not negative");
-  sigmas.distance = {0.0, 0.0, 1.0};
-  std::copy_n(abc.begin(), std::min<std::size_t>(abc.size(), 3), sigmas.distance.begin());
-  return sigmas;
-}
-
-/// Capital letters of adj= are coordinates that define the datum.
-void read_point(const pugi::xml_node& node, NetworkPoint& point, XmlLog& log) {
-  constexpr std::array kNames = {"x", "y", "z"};
-  for (std::size_t i = 0; i < 3; ++i)
-    if (const auto value = log.number(node, kNames[i])) {
-      point.p_map_m[static_cast<int>(i)] = *value;
-      point.known[i] = true;
-    }
-  for (const char* attribute : {"fix", "adj"})
-    for (const char c : XmlLog::text(node, attribute)) {
-      const int axis = std::tolower(static_cast<unsigned char>(c)) - 'x';
-      if (axis < 0 || axis > 2)
-        return log.fail(node, fmt::format("{}={}", attribute, in_quotes(XmlLog::text(node, attribute))),
-                        "letters out of x, y, z, X, Y, Z");
-      CoordinateRole& role = point.role[static_cast<std::size_t>(axis)];
-      role = attribute[0] == 'f'                                ? CoordinateRole::kFixed
-             : std::isupper(static_cast<unsigned char>(c)) != 0 ? CoordinateRole::kDatum
-                                                                : CoordinateRole::kFree;
-    }
-  for (std::size_t i = 0; i < 3; ++i)
-    if (point.role[i] == CoordinateRole::kFixed && !point.known[i])
-      log.fail(node, fmt::format("fixed point {} without {}", in_quotes(point.id), kNames[i]),
-               "a coordinate");
-}
-
-void read_content(const pugi::xml_node& content, NetworkFile& file, XmlLog& log) {
-  GamaObservations observations(file, log, read_sigmas(content, log));
+void read_content(const pugi::xml_node& content, GamaObservations& observations, XmlLog& log) {
+  observations.read_sigmas(content);
   for (const pugi::xml_node& node : content.children()) {
     if (node.type() != pugi::node_element || log.error) continue;
     const std::string_view name = node.name();
-    if (name == "point") {
-      const int index = observations.point(node, XmlLog::text(node, "id"));
-      read_point(node, file.network.points[static_cast<std::size_t>(index)], log);
-    } else if (name == "obs" || name == "height-differences" || name == "vectors" || name == "coordinates") {
+    if (name == "point")
+      observations.read_point(node);
+    else if (name == "obs" || name == "height-differences" || name == "vectors" || name == "coordinates")
       observations.read_cluster(node);
-    } else {
+    else
       log.fail(node, fmt::format("<{}>", name),
                "<point>, <obs>, <height-differences>, <vectors> or <coordinates>");
-    }
   }
 }
 
-bool has_role(const Network& network, int point, std::size_t axis) {
-  return point < 0 || network.points[static_cast<std::size_t>(point)].role[axis] != CoordinateRole::kAbsent;
+void check_fixed(const pugi::xml_node& network, const NetworkFile& file, XmlLog& log) {
+  for (const NetworkPoint& point : file.network.points)
+    for (std::size_t i = 0; i < 3; ++i)
+      if (point.role[i] == CoordinateRole::kFixed && !point.known[i])
+        log.fail(network, fmt::format("fixed point {} without {}", in_quotes(point.id), "xyz"[i]),
+                 "a coordinate");
 }
 
-/// True if all points have the coordinates that the observation depends on.
-bool is_usable(const Network& network, const SurveyObservation& o) {
-  std::array<bool, 3> needs{};
-  switch (o.kind) {
-    case SurveyKind::kHeightDifference: needs = {false, false, true}; break;
-    case SurveyKind::kZenithAngle:
-    case SurveyKind::kSlopeDistance: needs = {true, true, true}; break;
-    case SurveyKind::kX:
-    case SurveyKind::kDx: needs[0] = true; break;
-    case SurveyKind::kY:
-    case SurveyKind::kDy: needs[1] = true; break;
-    case SurveyKind::kZ:
-    case SurveyKind::kDz: needs[2] = true; break;
-    default: needs = {true, true, false};
-  }
-  for (std::size_t i = 0; i < 3; ++i)
-    for (const int point : {o.from, o.to, o.second})
-      if (needs[i] && !has_role(network, point, i)) return false;
-  return true;
+/// Sections of <network>, which may be repeated and in any order.
+void read_network(const pugi::xml_node& network, NetworkFile& file, XmlLog& log) {
+  read_axes(network, file, log);
+  for (const pugi::xml_node& node : network.children("description"))
+    file.description += without_blanks(node.text().get());
+  for (const pugi::xml_node& node : network.children("parameters")) read_parameters(node, file, log);
+  GamaObservations observations(file, log);
+  for (const pugi::xml_node& node : network.children("points-observations"))
+    read_content(node, observations, log);
+  check_fixed(network, file, log);
 }
 
 }  // namespace
 
-void leave_out_unused(NetworkFile& file) {
-  Network& network = file.network;
-  std::vector<int> index(network.observations.size(), -1);
-  std::vector<SurveyObservation> kept;
-  std::set<int> sets;
-  for (std::size_t i = 0; i < index.size(); ++i) {
-    if (!is_usable(network, network.observations[i])) continue;
-    index[i] = static_cast<int>(kept.size());
-    kept.push_back(network.observations[i]);
-    if (kept.back().set >= 0) sets.insert(kept.back().set);
-  }
-  if (const std::size_t left_out = index.size() - kept.size(); left_out > 0)
-    file.warnings.push_back(fmt::format(
-        "{} observations are left out because a point of theirs is neither fixed nor adjusted", left_out));
-  for (SurveyObservation& o : kept)
-    if (o.set >= 0) o.set = static_cast<int>(std::distance(sets.begin(), sets.find(o.set)));
-  network.sets = static_cast<int>(sets.size());
-  std::vector<ObservationCovariance> blocks;
-  for (const ObservationCovariance& block : network.covariances) {
-    std::vector<Eigen::Index> rows;
-    for (Eigen::Index i = 0; i < block.covariance.rows(); ++i)
-      if (index[static_cast<std::size_t>(block.first + i)] >= 0) rows.push_back(i);
-    if (!rows.empty())
-      blocks.push_back(
-          {index[static_cast<std::size_t>(block.first + rows.front())], block.covariance(rows, rows)});
-  }
-  network.covariances = std::move(blocks);
-  network.observations = std::move(kept);
-}
-
 Result<NetworkFile> read_gama(const std::string& path) {
-  const Result<std::string> text = read_file(path, kLargestYaml);
+  const Result<std::string> bytes = read_file(path, kLargestYaml);
+  if (!bytes) return fail(bytes.error());
+  const Result<std::string> text = xml_as_utf8(*bytes, path);
   if (!text) return fail(text.error());
-  if (const auto utf8 = check_utf8(*text, path); !utf8) return fail(utf8.error());
   XmlLog log(path, *text);
   pugi::xml_document document;
-  log.parse(document);
+  log.parse(document, "gama-local.dtd");
   if (log.error) return fail(*log.error);
-  const pugi::xml_node network = document.child("gama-local").child("network");
-  const pugi::xml_node content = network.child("points-observations");
-  if (!content) {
+  const pugi::xml_node root =
+      document.child("gama-local") ? document.child("gama-local") : document.child("gama-xml");
+  const pugi::xml_node network = root.child("network");
+  if (!network.child("points-observations"))
     log.fail(document.document_element(), "no <gama-local> with <network> and <points-observations>",
              "a gama-local document (.gkf)");
-    return fail(*log.error);
-  }
   NetworkFile file;
-  file.description = std::string(without_blanks(network.child("description").text().get()));
-  read_axes(network, file, log);
-  read_parameters(network.child("parameters"), file, log);
-  read_content(content, file, log);
+  if (!log.error) read_network(network, file, log);
   if (log.error) return fail(*log.error);
-  leave_out_unused(file);
   return file;
 }
 

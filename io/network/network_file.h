@@ -17,15 +17,17 @@ struct NetworkFile {
   Network network;
   double sigma_unit = 10.0;  ///< a priori sigma of unit weight
   bool sigmas_a_posteriori = true;
+  double outlier_limit_m = 1.0;  ///< largest misclosure at the approximate coordinates that is used
+  bool datum_follows = false;    ///< datum points are updated with each step of the adjustment
   double angle_sign = 1.0;
   double north_rad = 0.0;  ///< angle of north from +x towards +y
   std::vector<std::string> warnings;
 };
 
 /// Reads a network in the XML format of GNU Gama (gama-local, .gkf): points, observations with standard
-/// deviations or covariance matrices, all eight orientations of the axes, gon and degrees. Observations of
-/// points that are neither fixed nor adjusted are left out with a warning, as gama-local does. Errors:
-/// kBadInput with the line; a DOCTYPE is refused.
+/// deviations or covariance matrices, all eight orientations of the axes, gon and degrees. Errors: kBadInput
+/// with the line. A DOCTYPE is refused, apart from the reference to gama-local.dtd in old files, which is not
+/// opened.
 [[nodiscard]] Result<NetworkFile> read_gama(const std::string& path);
 
 }  // namespace octant::io

@@ -10,6 +10,27 @@
 
 namespace octant::io {
 
+Result<std::string> xml_as_utf8(const std::string& bytes, const std::string& path) {
+  const std::string_view declaration = std::string_view(bytes).substr(0, bytes.find("?>"));
+  const auto utf8 = check_utf8(bytes, path);
+  if (utf8) return bytes;
+  if (!declaration.starts_with("<?xml") || declaration.find("encoding") == std::string_view::npos ||
+      declaration.find("utf-8") != std::string_view::npos ||
+      declaration.find("UTF-8") != std::string_view::npos)
+    return octant::fail(utf8.error());
+  std::string text;
+  for (const char c : bytes) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x80) {
+      text += c;
+    } else {
+      text += static_cast<char>(0xC0 | (byte >> 6));
+      text += static_cast<char>(0x80 | (byte & 0x3F));
+    }
+  }
+  return text;
+}
+
 XmlLog::XmlLog(std::string file, std::string_view text) : file_(std::move(file)), text_(text) {
   for (std::size_t i = 0; i < text.size(); ++i)
     if (text[i] == '\n') newlines_.push_back(static_cast<std::ptrdiff_t>(i));
@@ -30,11 +51,16 @@ void XmlLog::fail(const pugi::xml_node& node, std::string found, std::string exp
                 .advice = std::move(advice)};
 }
 
-void XmlLog::parse(pugi::xml_document& document) {
-  const pugi::xml_parse_result result =
-      document.load_buffer(text_.data(), text_.size(), pugi::parse_default | pugi::parse_doctype);
+void XmlLog::parse(pugi::xml_document& document, std::string_view harmless_dtd) {
+  const pugi::xml_parse_result result = document.load_buffer(
+      text_.data(), text_.size(), pugi::parse_default | pugi::parse_doctype, pugi::encoding_utf8);
+  const auto is_harmless = [&](std::string_view doctype) {
+    return !harmless_dtd.empty() && doctype.find('[') == std::string_view::npos &&
+           (doctype.ends_with(fmt::format("\"{}\"", harmless_dtd)) ||
+            doctype.ends_with(fmt::format("'{}'", harmless_dtd)));
+  };
   for (const pugi::xml_node& node : document.children())
-    if (node.type() == pugi::node_doctype)
+    if (node.type() == pugi::node_doctype && !is_harmless(without_blanks(node.value())))
       fail(node, "a DOCTYPE", "XML without DOCTYPE and entities", "delete the DOCTYPE");
   if (!result && !error)
     error = Error{.file = file_,

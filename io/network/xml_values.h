@@ -15,13 +15,18 @@
 
 namespace octant::io {
 
+/// Text of an XML document as UTF-8. Another encoding that the document declares is read as Latin-1: names
+/// with other letters look different, but remain distinct.
+[[nodiscard]] Result<std::string> xml_as_utf8(const std::string& bytes, const std::string& path);
+
 /// Text of one XML document, and the first error found in it.
 class XmlLog {
  public:
   XmlLog(std::string file, std::string_view text);
 
-  /// Parses the text. A DOCTYPE, which may define entities and name other files, is refused.
-  void parse(pugi::xml_document& document);
+  /// Parses the text. A DOCTYPE, which may define entities and name other files, is refused, unless it only
+  /// names `harmless_dtd`, which is not opened.
+  void parse(pugi::xml_document& document, std::string_view harmless_dtd = "");
   void fail(const pugi::xml_node& node, std::string found, std::string expected, std::string advice = "");
   [[nodiscard]] int line(const pugi::xml_node& node) const;
 

@@ -65,6 +65,26 @@ TEST(Adjust, AgreesWithGamaInSpaceWithoutApproximateCoordinates) {
                {2.9567365e+02, 3.4429161e+02, 1.1902376e+03});
 }
 
+TEST(Adjust, AgreesWithGamaInCoordinatesWithCovariances) {
+  const nlohmann::json result = adjusted("krumm_dynamic.gkf");
+  EXPECT_EQ(result.at("redundancy"), 2);
+  EXPECT_NEAR(result.at("variance_factor").get<double>(), std::pow(7.2564948e-04, 2), 1e-12);
+  const std::vector<double> heights_m = {105.6363955224, 115.7072283582, 112.8826265672, 107.7541, 103.4535};
+  const std::vector<double> variances_mm2 = {1.8469147e-01, 1.5325462e-01, 2.2996053e-01};
+  for (std::size_t p = 0; p < heights_m.size(); ++p) {
+    const nlohmann::json& point = result.at("points").at(p);
+    EXPECT_NEAR(point.at("position_m").at(2).get<double>(), heights_m[p], 1e-6);
+    if (p >= variances_mm2.size()) continue;
+    EXPECT_NEAR(1e6 * std::pow(point.at("sigma_m").at(2).get<double>(), 2), variances_mm2[p],
+                2e-5 * variances_mm2[p]);
+  }
+}
+
+TEST(Adjust, AgreesWithGamaInHeightsOfInstrumentAndTarget) {
+  expect_point(adjusted("baumann_space.gkf"), 3, {1181.7645205437, 1071.6795225922, 94.2598289267},
+               {1.2085648e+01, 1.5669703e+01, 2.7710840e+01});
+}
+
 class AdjustFile : public ::testing::Test {
  protected:
   Outcome adjust(const std::string& content, const std::string& before = "",
@@ -99,6 +119,24 @@ TEST_F(AdjustFile, RefusesWhatItCannotUse) {
   const Outcome open = adjust(free + "<obs from='A'><distance to='P' val='70' stdev='1'/></obs>");
   EXPECT_EQ(open.exit, 5) << open.out;
   EXPECT_THAT(open.json().at("error").at("message").get<std::string>(), HasSubstr("determine P"));
+}
+
+TEST_F(AdjustFile, LeavesOutWhatIsNotDetermined) {
+  const std::string points = kFixed + "<point id='P' x='60' y='80' adj='xy'/><point id='Q' adj='xy'/>" +
+                             "<point id='R' x='50' y='50' adj='xy'/>\n";
+  const Outcome o =
+      adjust(points + "<obs from='A'><distance to='P' val='100' stdev='1'/>" +
+             "<distance to='Q' val='50' stdev='1'/><distance to='R' val='70' stdev='1'/></obs>" +
+             "<obs from='B'><distance to='P' val='89.4427191' stdev='1'/>" +
+             "<distance to='P' val='88.2' stdev='1'/></obs>");
+  ASSERT_EQ(o.exit, 0) << o.out;
+  const nlohmann::json result = o.json();
+  EXPECT_NEAR(result.at("points").at(2).at("position_m").at(0).get<double>(), 60.0, 1e-6);
+  EXPECT_EQ(result.at("points").at(3).at("position_m").at(0), nullptr);
+  EXPECT_EQ(result.at("points").at(4).at("position_m").at(0), nullptr);
+  EXPECT_THAT(o.err, HasSubstr("do not locate (give coordinates or add observations): Q."));
+  EXPECT_THAT(o.err, HasSubstr("do not determine: R."));
+  EXPECT_THAT(o.err, HasSubstr("horizontal distance B P (line 5) is left out"));
 }
 
 /// P is at (60, 80): 100 m from A, 89.443 m from B. From A it is 59.0334 gon counter-clockwise from B.

@@ -8,8 +8,6 @@
 #include "apps/octant/commands.h"
 #include "apps/octant/outputs.h"
 #include "apps/octant/text/network_text.h"
-#include "calib/network/check_network.h"
-#include "calib/network/locate_points.h"
 #include "io/text/atomic_file.h"
 
 namespace octant::app {
@@ -30,31 +28,32 @@ int fail_adjustment(const char* status, Exit exit, std::string message, std::str
 
 int adjust(const AdjustArgs& args, Session& session) {
   check_outputs({args.network}, {{"-o", args.output}}, session);
-  AdjustedNetwork adjusted{need(io::read_gama(args.network)), {}, {}};
+  AdjustedNetwork adjusted{need(io::read_gama(args.network)), {}};
   session.warn(adjusted.file.warnings);
-  need(calib::check_network(adjusted.file.network), args.network);
-  calib::LocatedNetwork located = calib::locate_points(std::move(adjusted.file.network));
-  adjusted.file.network = std::move(located.network);
-  adjusted.computed = std::move(located.computed);
-  if (!located.missing.empty())
+  adjusted.solved =
+      need(calib::solve_network(std::move(adjusted.file.network),
+                                {.adjustment = {.sigma_unit = adjusted.file.sigma_unit,
+                                                .sigmas_a_posteriori = adjusted.file.sigmas_a_posteriori,
+                                                .datum_follows = adjusted.file.datum_follows},
+                                 .outlier_limit_m = adjusted.file.outlier_limit_m}),
+           args.network);
+  const calib::SolvedNetwork& solved = adjusted.solved;
+  session.warn(left_out_in_words(adjusted));
+  if (solved.solution.status == calib::NetworkStatus::kUndetermined && solved.undetermined.empty())
     return fail_adjustment(
         "undetermined", kUndetermined,
-        fmt::format("The observations do not locate {}.", fmt::join(located.missing, ", ")),
+        fmt::format("The observations do not locate {}.", fmt::join(solved.unlocated, ", ")),
         "give approximate coordinates in <point>, or add observations to located points", session);
-  need(calib::check_network(adjusted.file.network), args.network);
-  adjusted.solution = calib::adjust_network(
-      adjusted.file.network,
-      {.sigma_unit = adjusted.file.sigma_unit, .sigmas_a_posteriori = adjusted.file.sigmas_a_posteriori});
-  if (adjusted.solution.status == calib::NetworkStatus::kUndetermined)
+  if (solved.solution.status == calib::NetworkStatus::kUndetermined)
     return fail_adjustment(
         "undetermined", kUndetermined,
         fmt::format("The observations and the datum do not determine {}.",
-                    fmt::join(adjusted.solution.undetermined, ", ")),
+                    fmt::join(solved.undetermined, ", ")),
         "fix points, mark datum points with capital letters (adj=\"XY\"), or add observations", session);
-  if (adjusted.solution.status == calib::NetworkStatus::kNotConverged)
+  if (solved.solution.status == calib::NetworkStatus::kNotConverged)
     return fail_adjustment(
         "not_converged", kNotConverged,
-        fmt::format("The adjustment did not converge in {} iterations.", adjusted.solution.iterations),
+        fmt::format("The adjustment did not converge in {} iterations.", solved.solution.iterations),
         "check the approximate coordinates and the observations for blunders", session);
   session.warn(suspicious_observations(adjusted));
   const Json object = network_json(adjusted);

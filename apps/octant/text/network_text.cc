@@ -7,8 +7,10 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <ranges>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <Eigen/Eigenvalues>
 
 #include "apps/octant/text/layout.h"
@@ -56,7 +58,7 @@ double value_in_file(const io::NetworkFile& file, const SurveyObservation& o, do
 
 std::string points_in_words(const AdjustedNetwork& a, CoordinateRole role) {
   std::vector<std::string> names;
-  for (const NetworkPoint& p : a.file.network.points) {
+  for (const NetworkPoint& p : a.solved.network.points) {
     std::string axes;
     for (std::size_t i = 0; i < 3; ++i)
       if (p.role[i] == role) axes += kAxes[i];
@@ -69,10 +71,10 @@ struct Ellipse {
   double major_m, minor_m, azimuth_rad;
 };
 
-std::optional<Ellipse> ellipse_of(const calib::NetworkSolution& s, const std::array<int, 3>& column) {
+std::optional<Ellipse> ellipse_of(const Eigen::Matrix3d& covariance, const std::array<int, 3>& column) {
   if (column[0] < 0 || column[1] < 0) return std::nullopt;
-  const std::array<int, 2> plane = {column[0], column[1]};
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(Eigen::Matrix2d(s.covariance(plane, plane)));
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(
+      Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
   const Eigen::Vector2d major = eigen.eigenvectors().col(1);
   double azimuth = std::atan2(major.y(), major.x());
   if (azimuth < 0.0) azimuth += std::numbers::pi;
@@ -80,28 +82,29 @@ std::optional<Ellipse> ellipse_of(const calib::NetworkSolution& s, const std::ar
                  std::sqrt(std::max(eigen.eigenvalues()[0], 0.0)), azimuth};
 }
 
-double sigma_of(const calib::NetworkSolution& s, int column) {
-  return std::sqrt(std::max(s.covariance(column, column), 0.0));
+double sigma_of(const AdjustedNetwork& a, std::size_t point, std::size_t axis) {
+  const auto i = static_cast<Eigen::Index>(axis);
+  return std::sqrt(std::max(a.solved.solution.point_covariances_m2[point](i, i), 0.0));
 }
 
 Json points_json(const AdjustedNetwork& a, const calib::NetworkColumns& columns) {
   Json list = Json::array();
-  for (std::size_t p = 0; p < a.file.network.points.size(); ++p) {
-    const NetworkPoint& point = a.file.network.points[p];
+  for (std::size_t p = 0; p < a.solved.network.points.size(); ++p) {
+    const NetworkPoint& point = a.solved.network.points[p];
     Json position = Json::array(), sigma = Json::array(), role = Json::array();
     for (std::size_t i = 0; i < 3; ++i) {
       const CoordinateRole r = point.role[i];
       const bool absent = r == CoordinateRole::kAbsent, fixed = r == CoordinateRole::kFixed;
       const int c = columns.point[p][i];
-      position.push_back(absent ? Json(nullptr) : Json(a.solution.points_m[p][static_cast<int>(i)]));
-      sigma.push_back(c >= 0 ? Json(sigma_of(a.solution, c)) : fixed ? Json(0.0) : Json(nullptr));
+      position.push_back(absent ? Json(nullptr) : Json(a.solved.solution.points_m[p][static_cast<int>(i)]));
+      sigma.push_back(c >= 0 ? Json(sigma_of(a, p, i)) : fixed ? Json(0.0) : Json(nullptr));
       role.push_back(absent  ? Json(nullptr)
                      : fixed ? "fixed"
                              : Json(r == CoordinateRole::kDatum ? "datum" : "adjusted"));
     }
     Json entry = {{"id", point.id}, {"position_m", position}, {"sigma_m", sigma}, {"role", role}};
-    entry["approximate_computed"] = std::ranges::count(a.computed, point.id) > 0;
-    const auto ellipse = ellipse_of(a.solution, columns.point[p]);
+    entry["approximate_computed"] = std::ranges::count(a.solved.computed, point.id) > 0;
+    const auto ellipse = ellipse_of(a.solved.solution.point_covariances_m2[p], columns.point[p]);
     entry["ellipse"] = ellipse ? Json{{"major_m", ellipse->major_m},
                                       {"minor_m", ellipse->minor_m},
                                       {"azimuth_rad", ellipse->azimuth_rad}}
@@ -111,14 +114,15 @@ Json points_json(const AdjustedNetwork& a, const calib::NetworkColumns& columns)
   return list;
 }
 
-/// Covariance of the adjusted coordinates.
+/// Covariance of the adjusted coordinates; null for a large network.
 Json covariance_json(const AdjustedNetwork& a, const calib::NetworkColumns& columns) {
+  if (a.solved.solution.covariance.size() == 0) return nullptr;
   Json names = Json::array(), rows = Json::array();
   for (std::size_t p = 0; p < columns.point.size(); ++p)
     for (std::size_t i = 0; i < 3; ++i)
-      if (columns.point[p][i] >= 0) names.push_back(a.file.network.points[p].id + "/" + kAxes[i]);
+      if (columns.point[p][i] >= 0) names.push_back(a.solved.network.points[p].id + "/" + kAxes[i]);
   for (int r = 0; r < columns.first_set; ++r) {
-    const Eigen::RowVectorXd row = a.solution.covariance.row(r).head(columns.first_set);
+    const Eigen::RowVectorXd row = a.solved.solution.covariance.row(r).head(columns.first_set);
     rows.push_back(std::vector<double>(row.begin(), row.end()));
   }
   return {{"coordinates", names}, {"matrix_m2", rows}};
@@ -126,12 +130,12 @@ Json covariance_json(const AdjustedNetwork& a, const calib::NetworkColumns& colu
 
 Json observations_json(const AdjustedNetwork& a) {
   const auto id = [&](int p) {
-    return p < 0 ? Json(nullptr) : Json(a.file.network.points[static_cast<std::size_t>(p)].id);
+    return p < 0 ? Json(nullptr) : Json(a.solved.network.points[static_cast<std::size_t>(p)].id);
   };
   Json list = Json::array();
-  for (std::size_t i = 0; i < a.file.network.observations.size(); ++i) {
-    const SurveyObservation& o = a.file.network.observations[i];
-    const calib::ObservationResult& r = a.solution.observations[i];
+  for (std::size_t i = 0; i < a.solved.network.observations.size(); ++i) {
+    const SurveyObservation& o = a.solved.network.observations[i];
+    const calib::ObservationResult& r = a.solved.solution.observations[i];
     const double sign = sign_of(a.file, o.kind);
     const bool checked = std::isfinite(r.detectable_bias);
     list.push_back({{"kind", name_of(o.kind)},
@@ -155,22 +159,21 @@ std::string observation_in_words(const AdjustedNetwork& a, const SurveyObservati
   std::string words = name_of(o.kind);
   std::ranges::replace(words, '_', ' ');
   for (const int p : {o.from, o.to, o.second})
-    if (p >= 0) words += fmt::format(" {}", a.file.network.points[static_cast<std::size_t>(p)].id);
+    if (p >= 0) words += fmt::format(" {}", a.solved.network.points[static_cast<std::size_t>(p)].id);
   return words;
 }
 
 std::string points_text(const AdjustedNetwork& a, const calib::NetworkColumns& columns) {
   Table table{"lrrrrrr", {{"point", "x [m]", "y", "z", "sx [mm]", "sy", "sz"}}};
   for (std::size_t p = 0; p < columns.point.size(); ++p) {
-    const NetworkPoint& point = a.file.network.points[p];
+    const NetworkPoint& point = a.solved.network.points[p];
     std::vector<std::string> row = {point.id};
     for (std::size_t i = 0; i < 3; ++i)
       row.push_back(point.role[i] == CoordinateRole::kAbsent
                         ? "-"
-                        : fmt::format("{:.5f}", a.solution.points_m[p][static_cast<int>(i)]));
+                        : fmt::format("{:.5f}", a.solved.solution.points_m[p][static_cast<int>(i)]));
     for (std::size_t i = 0; i < 3; ++i)
-      row.push_back(columns.point[p][i] >= 0
-                        ? fmt::format("{:.3f}", 1e3 * sigma_of(a.solution, columns.point[p][i]))
+      row.push_back(columns.point[p][i] >= 0                  ? fmt::format("{:.3f}", 1e3 * sigma_of(a, p, i))
                     : point.role[i] == CoordinateRole::kFixed ? "fixed"
                                                               : "-");
     table.rows.push_back(std::move(row));
@@ -180,9 +183,9 @@ std::string points_text(const AdjustedNetwork& a, const calib::NetworkColumns& c
 
 std::string observations_text(const AdjustedNetwork& a) {
   Table table{"lrrrrr", {{"observation", "residual", "sigma", "redundancy", "w", "detectable"}}};
-  for (std::size_t i = 0; i < a.file.network.observations.size(); ++i) {
-    const SurveyObservation& o = a.file.network.observations[i];
-    const calib::ObservationResult& r = a.solution.observations[i];
+  for (std::size_t i = 0; i < a.solved.network.observations.size(); ++i) {
+    const SurveyObservation& o = a.solved.network.observations[i];
+    const calib::ObservationResult& r = a.solved.solution.observations[i];
     const double scale = is_angle(o.kind) ? kMilligonPerRad : 1e3;
     const char* unit = is_angle(o.kind) ? "mgon" : "mm";
     const double sign = sign_of(a.file, o.kind);
@@ -201,23 +204,24 @@ std::string observations_text(const AdjustedNetwork& a) {
 std::string datum_in_words(const AdjustedNetwork& a) {
   const std::string fixed = points_in_words(a, CoordinateRole::kFixed);
   std::string words = fixed.empty() ? "" : "fixed points " + fixed;
-  if (a.solution.defect > 0)
+  if (a.solved.solution.defect > 0)
     words += fmt::format("{}inner constraints over the datum points {}, which remove a defect of {}",
                          words.empty() ? "free network: " : "; ", points_in_words(a, CoordinateRole::kDatum),
-                         a.solution.defect);
+                         a.solved.solution.defect);
   return words.empty() ? "given by observed coordinates" : words;
 }
 
 Json network_json(const AdjustedNetwork& a) {
-  const calib::NetworkColumns columns = calib::network_columns(a.file.network);
+  const calib::NetworkColumns columns = calib::network_columns(a.solved.network);
   return {{"description", a.file.description},
           {"datum", datum_in_words(a)},
-          {"iterations", a.solution.iterations},
+          {"iterations", a.solved.solution.iterations},
           {"unknowns", columns.size},
-          {"defect", a.solution.defect},
-          {"redundancy", a.solution.redundancy},
+          {"defect", a.solved.solution.defect},
+          {"redundancy", a.solved.solution.redundancy},
           {"sigma_unit", a.file.sigma_unit},
-          {"variance_factor", a.solution.redundancy > 0 ? Json(a.solution.variance_factor) : Json(nullptr)},
+          {"variance_factor",
+           a.solved.solution.redundancy > 0 ? Json(a.solved.solution.variance_factor) : Json(nullptr)},
           {"sigmas", a.file.sigmas_a_posteriori ? "a_posteriori" : "a_priori"},
           {"points", points_json(a, columns)},
           {"covariance", covariance_json(a, columns)},
@@ -225,35 +229,62 @@ Json network_json(const AdjustedNetwork& a) {
 }
 
 std::string network_text(const AdjustedNetwork& a, bool all_observations) {
-  const calib::NetworkColumns columns = calib::network_columns(a.file.network);
+  const calib::NetworkColumns columns = calib::network_columns(a.solved.network);
   std::string text = points_text(a, columns) + "\n";
   text += named_line("datum", datum_in_words(a));
-  if (!a.computed.empty())
-    text += named_line("approximate", fmt::format("computed for {} points", a.computed.size()));
-  text +=
-      named_line("observations", fmt::format("{}, {} unknowns, redundancy {}", a.solution.observations.size(),
-                                             columns.size, a.solution.redundancy));
-  text += named_line("variance factor", a.solution.redundancy > 0
-                                            ? fmt::format("{:.4g}", a.solution.variance_factor)
+  if (!a.solved.computed.empty())
+    text += named_line("approximate", fmt::format("computed for {} points", a.solved.computed.size()));
+  text += named_line("observations",
+                     fmt::format("{}, {} unknowns, redundancy {}", a.solved.solution.observations.size(),
+                                 columns.size, a.solved.solution.redundancy));
+  text += named_line("variance factor", a.solved.solution.redundancy > 0
+                                            ? fmt::format("{:.4g}", a.solved.solution.variance_factor)
                                             : "unknown: the network has no redundancy");
   text += named_line("sigmas", a.file.sigmas_a_posteriori ? "scaled by the variance factor" : "as stated");
   if (all_observations) text += "\n" + observations_text(a);
   return text;
 }
 
+std::vector<std::string> left_out_in_words(const AdjustedNetwork& a) {
+  std::vector<std::string> words;
+  const auto points = [&](const std::vector<std::string>& names, const char* reason) {
+    if (!names.empty()) words.push_back(fmt::format("{}: {}.", reason, fmt::join(names, ", ")));
+  };
+  points(a.solved.unlocated,
+         "Points left out that the observations do not locate (give coordinates or add observations)");
+  points(a.solved.undetermined, "Points left out that the observations and the datum do not determine");
+  if (a.solved.unusable > 0)
+    words.push_back(fmt::format(
+        "{} observations are left out because a point of theirs is neither fixed nor adjusted, or "
+        "because their set of directions has one target.",
+        a.solved.unusable));
+  constexpr std::size_t kMostNamed = 10;
+  for (const SurveyObservation& o : a.solved.outlying | std::views::take(kMostNamed))
+    words.push_back(
+        fmt::format("The {} (line {}) is left out: at the approximate coordinates it deviates by more than "
+                    "{} m. Check it, "
+                    "the coordinates, and the limit.",
+                    observation_in_words(a, o), o.line, a.file.outlier_limit_m));
+  if (a.solved.outlying.size() > kMostNamed)
+    words.push_back(fmt::format("{} more observations are left out for the same reason.",
+                                a.solved.outlying.size() - kMostNamed));
+  return words;
+}
+
 std::vector<std::string> suspicious_observations(const AdjustedNetwork& a) {
   std::vector<std::size_t> order;
-  for (std::size_t i = 0; i < a.solution.observations.size(); ++i)
-    if (std::abs(a.solution.observations[i].w) > calib::kCriticalW) order.push_back(i);
+  for (std::size_t i = 0; i < a.solved.solution.observations.size(); ++i)
+    if (std::abs(a.solved.solution.observations[i].w) > calib::kCriticalW) order.push_back(i);
   std::ranges::sort(order, std::greater{},
-                    [&](std::size_t i) { return std::abs(a.solution.observations[i].w); });
+                    [&](std::size_t i) { return std::abs(a.solved.solution.observations[i].w); });
   std::vector<std::string> words;
   for (const std::size_t i : order) {
-    const SurveyObservation& o = a.file.network.observations[i];
-    words.push_back(fmt::format(
-        "The {} (line {}) does not agree with the others: w is {:.1f} (limit {}). "
-        "Check it first if it is the largest.",
-        observation_in_words(a, o), o.line, std::abs(a.solution.observations[i].w), calib::kCriticalW));
+    const SurveyObservation& o = a.solved.network.observations[i];
+    words.push_back(
+        fmt::format("The {} (line {}) does not agree with the others: w is {:.1f} (limit {}). "
+                    "Check it first if it is the largest.",
+                    observation_in_words(a, o), o.line, std::abs(a.solved.solution.observations[i].w),
+                    calib::kCriticalW));
   }
   return words;
 }
