@@ -11,10 +11,6 @@
 namespace octant {
 namespace {
 
-/// Attitude sigma above which a filter is not linear: its own error then appears as information, and further
-/// arrivals increase its false confidence.
-constexpr double kLeastKnownTurn_rad = 0.2;
-
 /// Difference between the shares of accepted arrivals that can be due to chance.
 constexpr double kLessAccepted = 0.05;
 
@@ -187,7 +183,7 @@ double BeaconBankOf<kDof>::protection_level_m(Filter& filter) {
       all_found = false;
       continue;
     }
-    if (!(largest_turn_variance(slot.filter) < square(kLeastKnownTurn_rad))) {
+    if (!(largest_turn_variance(slot.filter) < square(kLinearTurn_rad))) {
       slot.member = {};
       too_many_until_ = heard_ + kForgotten;
       continue;

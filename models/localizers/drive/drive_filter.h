@@ -10,6 +10,9 @@
 
 namespace octant {
 
+/// Sigma of a rotation beyond which a filter of a drive is not linear.
+inline constexpr double kLinearTurn_rad = 0.6;
+
 /// Filter of a drive that judges the arrivals of a ping jointly (multiple hypotheses: D. B. Reid, An
 /// algorithm for tracking multiple targets, IEEE Trans. Automatic Control 24, 1979). Without an echo share it
 /// is one DriveBelief, and every arrival within the gate is direct.

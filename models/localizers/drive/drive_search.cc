@@ -19,9 +19,9 @@ constexpr std::size_t kSolutionScratchBytes = 3u << 20;  ///< solving for a wind
 constexpr double kFilterWindowGrowth = 1.33;
 /// Sigma of an unknown air temperature relative to the deployment's [K].
 constexpr double kAirSigma_K = 8.0;
-/// Limits of the uncertainty at a start and after a gap, beyond which the filter is not linear and the pose
-/// is searched again.
-constexpr double kBlindShare = 0.1, kLeastBlind_m = 1.0, kBlindTurn_rad = 0.6;
+/// Limit of the uncertainty of the position at a start and after a gap, beyond which the filter is not linear
+/// and the pose is searched again: a share of the extent of the beacons, and at least this length.
+constexpr double kBlindShare = 0.1, kLeastBlind_m = 1.0;
 /// Duration of a search after which a start without a confirming beacon is accepted.
 constexpr double kLongSearch_s = 5.0;
 
@@ -43,7 +43,7 @@ double beacons_extent_m(const Deployment& d) {
 
 DriveSearchOptions drive_search_options(const Deployment& deployment, const TrackerOptions& tracker) {
   return {tracker, tracker.estimate_speed ? air_sigma_mps(deployment) : 0.0,
-          std::max(kLeastBlind_m, kBlindShare * beacons_extent_m(deployment)), kBlindTurn_rad};
+          std::max(kLeastBlind_m, kBlindShare * beacons_extent_m(deployment))};
 }
 
 StateSpace drive_states(const TrajectoryModel& model, Motion motion) {
@@ -133,7 +133,7 @@ bool DriveSearchOf<kDof>::start_filters(Filter& filter, BeaconBankOf<kDof>& bank
   const bool verified = is_verified(filter, work, farthest);
   // With few arrivals, an echo of one beacon may have moved the start by that much.
   if (verified) filter.widen(farthest);
-  const bool is_linear = filter.is_within(options_.most_place_m, options_.most_turn_rad);
+  const bool is_linear = filter.is_within(options_.most_place_m, kLinearTurn_rad);
   if (!(verified && is_linear) && !has_searched_long()) return false;
   bank.start(filter, t,
              [this](const DriveMember& member, Filter& without) { start_without(member, without); });

@@ -17,7 +17,7 @@ namespace octant {
 struct DriveSearchOptions {
   TrackerOptions tracker;
   double air_sigma_mps = 0.0;  ///< prior sigma of the speed's offset without a recorded temperature
-  double most_place_m = 1.0, most_turn_rad = 0.6;  ///< sigmas beyond which a filter is not linear
+  double most_place_m = 1.0;   ///< sigma of the position beyond which a filter is not linear
 };
 
 [[nodiscard]] DriveSearchOptions drive_search_options(const Deployment& deployment,

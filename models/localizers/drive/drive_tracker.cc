@@ -92,7 +92,7 @@ class DriveTracker::CoreOf final : public Core {
   void use_arrivals(std::span<const Arrival> arrivals, Fix& fix);
   void lose();
   [[nodiscard]] bool is_blind() const {
-    return !filter_.is_within(search_options_.most_place_m, search_options_.most_turn_rad);
+    return !filter_.is_within(search_options_.most_place_m, kLinearTurn_rad);
   }
   void report(Fix& fix);
 
@@ -209,7 +209,6 @@ void DriveTracker::CoreOf<kDof>::coast(double span_s, double since_s) {
   }
   odometry_.remember(motion, span_s);
   search_.window().step(motion, span_s);
-  if (placed_ && is_blind()) lose();
 }
 
 template <int kDof>
@@ -239,11 +238,11 @@ void DriveTracker::CoreOf<kDof>::move_filters(const OdometryObservation& motion)
 template <int kDof>
 void DriveTracker::CoreOf<kDof>::advance_to(double time_s) {
   if (!odometry_.has_begun()) odometry_.begin(time_s);
-  if (search_.window().is_new()) search_.begin(odometry_.now_s());
-  const bool was_placed = placed_;
+  const bool was_placed = placed_, was_blind = placed_ && is_blind();
   odometry_.advance_to(
       time_s, [this](const MotionPart& part) { step(part); },
       [this](double span_s, double since_s) { coast(span_s, since_s); });
+  if (placed_ && !was_blind && is_blind()) lose();
   // Arrivals before a long gap are not informative about the pose after it.
   if (was_placed && !placed_) search_.begin(odometry_.now_s());
 }
@@ -311,6 +310,7 @@ void DriveTracker::CoreOf<kDof>::locate(std::span<const Arrival> arrivals, Fix& 
   if (time_s < odometry_.oldest_s()) return;
   set_instant(arrivals);
   if (placed_) return correct(arrivals, fix);
+  if (!search_.window().has_arrivals()) search_.begin(odometry_.now_s());
   search_.window().add(instant_);
   if (time_s < odometry_.now_s()) return;
   placed_ = search_.search(is_temperature_known_, filter_, bank_, ahead_);

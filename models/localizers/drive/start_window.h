@@ -21,8 +21,7 @@ class StartWindow {
   explicit StartWindow(const StateSpace& vehicle);
 
   void begin(double time_s);
-  /// Returns true if there are no arrivals and no time has passed.
-  [[nodiscard]] bool is_new() const { return t_.arrivals.empty() && t_.odometry.empty(); }
+  [[nodiscard]] bool has_arrivals() const { return !t_.arrivals.empty(); }
   void step(const OdometryObservation& motion, double span_s);
   /// Adds the arrivals of one time. @param instant  a trajectory of one node
   void add(const Trajectory& instant);

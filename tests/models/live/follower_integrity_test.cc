@@ -80,6 +80,24 @@ TEST(FollowerIntegrity, AGapInTheOdometryIsNoticed) {
     }
 }
 
+/// Odometry alone leaves the pose uncertain, in the second case so much that it is searched again.
+TEST(FollowerIntegrity, AfterAGapInTheArrivalsFixesHaveLevels) {
+  const Deployment d = with_octagon(hall());
+  for (const double share : {4.0, 7.0})
+    for (const std::uint64_t seed : {49u, 50u, 51u}) {
+      Drive w = drive(d, 130, 1e-5, 3.0, seed);
+      w.log.odometry_accuracy.distance_sigma_m_per_sqrt_m *= 3.0;
+      w.log.odometry_accuracy.heading_sigma_rad_per_sqrt_m *= share;
+      std::erase_if(w.log.arrivals, [](const Arrival& a) { return a.time_s > 20.0 && a.time_s < 120.0; });
+      Live live(d, with_accuracy_of(w.log));
+      deliver(deliveries(w.log), live.follower);
+      expect_honest(errors_of(live.fixes, w.truth));
+      EXPECT_LT(errors_of(live.fixes, w.truth, 120.0).first_s, 121.0) << seed;
+      for (const Fix& fix : live.fixes)
+        EXPECT_TRUE(!fix.ok() || fix.protection_level_m > 0.0) << "at " << fix.time_s;
+    }
+}
+
 TEST(FollowerIntegrity, RowsThatAreLostNowAndThenDoLittleHarm) {
   const Deployment d = with_octagon(hall());
   const Drive w = drive(d, 60, 1e-5, 1.0, 46);
