@@ -3,15 +3,12 @@
 #include "models/watch/change_evidence.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
 namespace octant {
 namespace {
 
-/// Numbers of the last blocks from which on a change is tested.
-constexpr std::array<std::size_t, 17> kSince = {2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 20, 24};
 /// Least total number of blocks for a test; they show the errors that depend on the place.
 constexpr std::size_t kLeastBlocks = 6;
 /// Prior sigma of a change along each axis [m].
@@ -19,9 +16,9 @@ constexpr double kChanged_m = 0.2;
 /// Log-likelihood ratio between the suspect and any other member (one in a thousand), and between the forms
 /// of the change (one in twenty).
 constexpr double kMemberMargin = 7.0, kFormMargin = 3.0;
-/// Consecutive tests that show a change before it is reported, so that its blocks outweigh the earlier ones;
-/// and their number if its form remains unclear.
-constexpr std::size_t kConfirm = 7, kWaitForForm = 9;
+/// Sum of the tests of a member (+1 with a change, -1 without, not below zero) at which it is reported, so
+/// that its blocks outweigh the earlier ones; and the sum if its form remains unclear.
+constexpr std::size_t kConfirm = 5, kWaitForForm = 9;
 
 /// Evidence and estimate for a change along `k` of the four columns.
 template <int k>
@@ -33,6 +30,13 @@ double evidence(const Eigen::Matrix<double, k, 1>& u, const Eigen::Matrix<double
   covariance_m2 = factor.solve(Eigen::Matrix<double, k, k>::Identity());
   const Eigen::Matrix<double, k, k> L = factor.matrixL();
   return 0.5 * u.dot(size_m) - L.diagonal().array().log().sum() + 0.5 * k * std::log(kPrior);
+}
+
+/// Size of a change under a prior of `least_m` along each axis. Components that the arrivals do not determine
+/// that well do not count. @param weight  factor on the information
+double certain_size_m(const FoundChange& change, double weight, double least_m) {
+  const ChangeMatrix prior = least_m * least_m * ChangeMatrix::Identity();
+  return (prior * ChangeMatrix(prior + change.covariance_m2 / weight).llt().solve(change.size_m)).norm();
 }
 
 }  // namespace
@@ -98,8 +102,8 @@ std::optional<FoundChange> ChangeEvidence::evaluate() {
   const std::size_t at = step_++;
   if (at == 1) {
     solve();
-  } else if (at - 2 < kSince.size() && kSince[at - 2] <= filled_) {
-    compare(kSince[at - 2]);
+  } else if (at <= filled_) {
+    compare(at);
   } else {
     step_ = 0;
     return decide();
@@ -194,13 +198,6 @@ void ChangeEvidence::compare(std::size_t blocks) {
   }
 }
 
-/// Root mean square of the change of a path.
-double ChangeEvidence::effect_m(const FoundChange& change) const {
-  const Eigen::Index first = first_column(change.member);
-  const double squares = change.size_m.dot(N_since_.block<4, 4>(first, first) * change.size_m);
-  return std::sqrt(std::max(0.0, squares) / std::max(1e-9, N_since_(first, first)));
-}
-
 /// Computes the residual sums of the blocks, with the suspect's change in the summed ones.
 void ChangeEvidence::find_residuals(const FoundChange& change) {
   const Eigen::Index first = first_column(change.member);
@@ -256,9 +253,14 @@ std::optional<FoundChange> ChangeEvidence::decide() {
   };
   const bool is_change = student(best_.evidence) > threshold_ &&
                          student(best_.evidence - rival_evidence_) > kMemberMargin &&
-                         effect_m(best_.change) > least_m_;
-  confirmed_ = is_change ? confirmed_ + 1 : 0;
-  const bool is_confirmed = confirmed_ >= kConfirm && best_.blocks > 2;
+                         certain_size_m(best_.change, weight, least_m_) > least_m_;
+  if (best_.change.member != suspect_) confirmed_ = 0;
+  suspect_ = best_.change.member;
+  if (is_change)
+    ++confirmed_;
+  else if (confirmed_ > 0)
+    --confirmed_;
+  const bool is_confirmed = is_change && confirmed_ >= kConfirm && best_.blocks > 2;
   Candidate later = best_;
   bool is_clear = false;
   if (is_confirmed) {

@@ -46,7 +46,7 @@ class ChangeEvidence {
  public:
   /// @param beacons  number of members that are beacons; they come before the receivers
   /// @param threshold  evidence of an alarm
-  /// @param least_m  root mean square of the change of a path that counts as a change
+  /// @param least_m  largest change that is tolerated
   ChangeEvidence(std::size_t beacons, std::size_t receivers, double threshold, double least_m);
 
   [[nodiscard]] std::size_t columns() const { return 4 * priors_.size(); }
@@ -98,7 +98,6 @@ class ChangeEvidence {
   [[nodiscard]] Score score_of(std::size_t member);
   [[nodiscard]] static Candidate candidate_of(const Score& score, ChangeForm form);
   [[nodiscard]] Candidate best_form(std::size_t member);
-  [[nodiscard]] double effect_m(const FoundChange& change) const;
   void find_residuals(const FoundChange& change);
   [[nodiscard]] double inflation_of(std::size_t member);
   [[nodiscard]] double typical_inflation(std::size_t accused);
@@ -108,7 +107,8 @@ class ChangeEvidence {
   double threshold_, least_m_;
   std::vector<ChangeMatrix> priors_;  ///< information of each member
   std::vector<Block> blocks_;
-  std::size_t newest_ = 0, filled_ = 0, step_ = 0, summed_ = 0, confirmed_ = 0;
+  std::size_t newest_ = 0, filled_ = 0, step_ = 0, summed_ = 0;
+  std::size_t suspect_ = 0, confirmed_ = 0;  ///< member of the last test, and the sum of its tests
   double inflation_ = 1.0;
   Candidate best_;
   double rival_evidence_ = 0.0;     ///< evidence of the best other member

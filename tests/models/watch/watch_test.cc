@@ -315,6 +315,19 @@ TEST(WatchedDrive, AMovedBeaconIsNamedWithItsShiftAndNoOther) {
   EXPECT_TRUE(watch.is_out(BeaconId(4)));
 }
 
+/// The move changes most paths by less than the 15 mm that are tolerated, but not the position.
+TEST(WatchedDrive, AMoveAcrossThePathsIsNamed) {
+  Drive drive(12);
+  Watch watch(drive.deployment, {.matter_m = 0.03});
+  drive.go_on(watch, 60.0);
+  const Eigen::Vector3d to_middle = Eigen::Vector3d(10, 6, 0) - drive.truth.beacons[4].position_m;
+  drive.truth.beacons[4].position_m +=
+      0.019 * Eigen::Vector3d(-to_middle.y(), to_middle.x(), 0.0).normalized();
+  drive.go_on(watch, 120.0);
+  ASSERT_EQ(drive.alarms.size(), 1u);
+  EXPECT_EQ(drive.alarms[0].beacon, BeaconId(4));
+}
+
 TEST(WatchedDrive, AReplacedBeaconIsLateAndTheNextChangeIsFoundToo) {
   Drive drive(13);
   Watch watch(drive.deployment);
