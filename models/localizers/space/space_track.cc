@@ -265,6 +265,14 @@ class SpaceTracker {
     return fix;
   }
 
+  /// Covariance of position (from state 0) or velocity (from state 3), with the part of the calibration.
+  [[nodiscard]] Eigen::Matrix3d covariance_at(const SpaceBelief& belief, Eigen::Index state) const {
+    const Eigen::MatrixXd M = belief.M.middleRows<3>(state);
+    Eigen::Matrix3d P = belief.P.block<3, 3>(state, state);
+    if (M.cols() > 0) P += M * setting_.calibration.covariance() * M.transpose();
+    return P;
+  }
+
   /// @param side_is_open  the mirror image is equally likely: half of the squared distance between both is
   /// added
   [[nodiscard]] Fix fix_at(std::size_t k, const SpaceBelief& belief, bool side_is_open) const {
@@ -275,9 +283,11 @@ class SpaceTracker {
       ++(ranges_.all[i].rejection == Rejection::kUsed ? fix.arrivals_used : fix.arrivals_rejected);
     }
     fix.T_map_vehicle.translation_m = belief.x.head<3>();
-    const Eigen::MatrixXd M = belief.M.topRows<3>();
-    Eigen::Matrix3d P = belief.P.topLeftCorner<3, 3>();
-    if (M.cols() > 0) P += M * setting_.calibration.covariance() * M.transpose();
+    Eigen::Matrix3d P = covariance_at(belief, 0);
+    fix.velocity.emplace();
+    fix.velocity->mean.head<3>() = belief.x.segment<3>(3);
+    fix.velocity->variance << covariance_at(belief, 3).diagonal(),
+        Eigen::Vector3d::Constant(kUnknownRotationVariance);
     P.diagonal().array() += open_attitude_variance_m2(setting_.p_centre_vehicle_m);
     if (side_is_open)
       P += 2 * square(setting_.plane.height_m(belief.x.head<3>())) * setting_.plane.normal *

@@ -27,10 +27,11 @@ namespace octant {
 /// filter, smoothed over the run (Rauch, Tung and Striebel 1965).
 ///
 /// The attitude is not estimated. The rotation of a fix is the identity with the variance of a uniform angle,
-/// and the effect of the receivers' lever arms on the origin is part of its covariance. Lasting errors
-/// (noise.correlated) are a first-order Gauss-Markov state for each beacon. The calibration's part of the
-/// covariance follows the estimate through filter and smoother (Schmidt's consider parameters). There is one
-/// fix at every time with arrivals (an epoch, or a ping). Times without a track are located one by one if
+/// and the effect of the receivers' lever arms on the origin is part of its covariance. The velocity is along
+/// the axes of the map, and the turn rate is unknown (the variance of a uniform angle, per second). Lasting
+/// errors (noise.correlated) are a first-order Gauss-Markov state for each beacon. The calibration's part of
+/// the covariance follows the estimate through filter and smoother (Schmidt's consider parameters). There is
+/// one fix at every time with arrivals (an epoch, or a ping). Times without a track are located one by one if
 /// they have enough arrivals (LeastSquaresLocalizer).
 ///
 /// For coplanar beacons there is a mirror image. The position above the floor (z = 0) is used and, if both

@@ -85,7 +85,7 @@ Flight fly(const std::vector<Eigen::Vector3d>& beacons, const Eigen::Vector3d& l
 }
 
 struct Errors {
-  double rmse_m = 0.0, nees = 0.0;
+  double rmse_m = 0.0, nees = 0.0, velocity_nees = 0.0;
   std::size_t count = 0;
 };
 
@@ -102,16 +102,19 @@ Errors errors_of(const std::vector<Fix>& fixes, const Flight& f, const Eigen::Ve
     e.rmse_m += off.squaredNorm();
     e.nees += off.dot(Eigen::Matrix3d(fixes[k].covariance.topLeftCorner<3, 3>()).ldlt().solve(off)) / 3;
     ++e.count;
+    if (!fixes[k].velocity || k + 1 == f.truth.size()) continue;
+    const Eigen::Vector3d v_mps = (f.truth[k + 1].translation_m - f.truth[k - 1].translation_m) / 0.2,
+                          off2 = (fixes[k].velocity->mean.head<3>() - v_mps).cwiseAbs2();
+    e.velocity_nees += off2.cwiseQuotient(fixes[k].velocity->variance.head<3>()).mean();
   }
-  e.rmse_m = std::sqrt(e.rmse_m / static_cast<double>(std::max<std::size_t>(1, e.count)));
-  e.nees /= static_cast<double>(std::max<std::size_t>(1, e.count));
+  const auto count = static_cast<double>(std::max<std::size_t>(1, e.count));
+  e.rmse_m = std::sqrt(e.rmse_m / count), e.nees /= count, e.velocity_nees /= count;
   return e;
 }
 
-/// Errors and their covariances, pooled over flights. Neighbouring fixes have correlated errors, so the
-/// pooled NEES of twelve flights with about twenty independent segments each scatters by less than a tenth.
+/// The pooled NEES of twelve flights with twenty independent segments each scatters by less than a tenth.
 TEST(SpaceTrack, FixesAreAsGoodAsTheySay) {
-  double nees = 0.0, worst_m = 0.0;
+  double nees = 0.0, of_velocity = 0.0, worst_m = 0.0;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     Random random(seed, 1);
     const Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.0, 300, 1.5, random);
@@ -119,11 +122,13 @@ TEST(SpaceTrack, FixesAreAsGoodAsTheySay) {
                                Eigen::Vector3d::Zero());
     EXPECT_GE(e.count, 290u);
     nees += e.nees / 12;
+    of_velocity += e.velocity_nees / 12;
     worst_m = std::max(worst_m, e.rmse_m);
   }
   EXPECT_LT(worst_m, 2 * kSigma_m) << "six ranges an instant and a smooth track";
   EXPECT_GT(nees, 0.7);
   EXPECT_LT(nees, 1.3);
+  EXPECT_NEAR(of_velocity, 0.6, 0.5) << "smoother than white acceleration";
 }
 
 TEST(SpaceTrack, EchoesAreLeftOut) {
