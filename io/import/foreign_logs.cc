@@ -98,8 +98,7 @@ class CarmenReader {
                    .file = log_.path,
                    .found = "neither scans nor odometry",
                    .expected = "lines that begin with FLASER, ROBOTLASER1 or ODOM",
-                   .advice = "is this a CARMEN log? A table is read with --columns "
-                             "time=COLUMN,beacon=COLUMN,tof=COLUMN (octant schema columns)"});
+                   .advice = "is this a CARMEN log?"});
     for (const auto& [name, count] : passed_over_)
       log_.warnings.push_back(fmt::format("{}: {} {} lines are passed over", log_.path, count, name));
     if (backwards_ > 0)
@@ -221,6 +220,19 @@ class CarmenReader {
 };
 
 }  // namespace
+
+bool is_carmen_log(const std::string& path) {
+  constexpr std::size_t kHead = std::size_t{1} << 16;  // bytes in which a message follows the parameters
+  const auto map = MappedFile::open(path);
+  if (!map) return false;
+  std::string_view head = map->text().substr(0, kHead);
+  while (!head.empty()) {
+    const std::string_view line = take_line(head);
+    for (const char* message : {"FLASER ", "ROBOTLASER1 ", "ODOM ", "PARAM ", "RLASER "})
+      if (line.starts_with(message)) return true;
+  }
+  return false;
+}
 
 Result<MeasurementLog> read_carmen_log(const std::string& path) {
   const auto map = MappedFile::open(path);

@@ -14,6 +14,8 @@
 // Logs of other programs and devices, as `octant convert` makes run folders of them.
 namespace octant::io {
 
+/// True if one of the first lines is a message of a CARMEN log.
+[[nodiscard]] bool is_carmen_log(const std::string& path);
 /// Reads a CARMEN log (text): laser scans of FLASER and ROBOTLASER1 lines, odometry of ODOM lines and of the
 /// scans. Other messages are skipped and listed in the warnings. Times are those of the logger, the last
 /// number of a line. Lines with an earlier time than one before are left out and counted in a warning. FLASER

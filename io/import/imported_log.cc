@@ -74,7 +74,17 @@ std::string tof_text(const ImportedLog& log, std::optional<double> speed_mps, bo
   return text;
 }
 
+void remove_only(int ImportedArrival::*name, ImportedLog& log) {
+  const bool one = std::ranges::all_of(
+      log.arrivals, [&](const ImportedArrival& a) { return a.*name == log.arrivals.front().*name; });
+  if (!one) return;
+  for (ImportedArrival& a : log.arrivals) a.*name = -1;
+}
+
 }  // namespace
+
+void remove_only_receiver(ImportedLog& log) { remove_only(&ImportedArrival::receiver, log); }
+void remove_only_vehicle(ImportedLog& log) { remove_only(&ImportedArrival::vehicle, log); }
 
 int ImportedNames::number_of(std::string_view name) {
   const auto known = numbers_.find(name);

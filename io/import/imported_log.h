@@ -56,6 +56,10 @@ struct ImportedLog {
   [[nodiscard]] std::size_t ignored_rows() const;
 };
 
+/// Removes the names of receivers, or of vehicles, if all arrivals have the same one.
+void remove_only_receiver(ImportedLog& log);
+void remove_only_vehicle(ImportedLog& log);
+
 /// Files of a run folder for a log, in the order of time. With `speed_mps`, distances are converted to the
 /// times of flight from which the device computed them with this speed; otherwise tof.csv has distance_m.
 /// Adds warnings about rows that ran backwards in time, repeated poses of one time, and rows of ignored

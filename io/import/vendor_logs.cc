@@ -94,16 +94,6 @@ Result<void> for_each_line(const std::string& path, const Row& row) {
   return {};
 }
 
-/// Removes the receiver's name if there is only one.
-void forget_the_only_receiver(ImportedLog& log) {
-  int only = -1;
-  for (const ImportedArrival& a : log.arrivals) {
-    if (only >= 0 && a.receiver != only) return;
-    only = a.receiver;
-  }
-  for (ImportedArrival& a : log.arrivals) a.receiver = -1;
-}
-
 // --- DWM1001
 
 /// A time as terminals write it before a line, with brackets and separators around it.
@@ -239,7 +229,7 @@ Result<ImportedLog> read_marvelmind_log(const std::string& path, const VendorLog
     return {};
   };
   if (auto read = for_each_line(path, row); !read) return fail(read.error());
-  forget_the_only_receiver(rows.log);
+  remove_only_receiver(rows.log);
   return std::move(rows.log);
 }
 

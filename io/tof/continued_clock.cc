@@ -20,7 +20,7 @@ constexpr ClockPeriod kClocks[] = {{1099511627776.0 / (128 * 499.2e6), "the 40-b
                                    {4294967.296, "a 32-bit counter of milliseconds"},
                                    {4294967296.0, "a 32-bit counter"}};
 
-bool is_restart(double step_s, double period_s) {
+bool is_back_by(double step_s, double period_s) {
   return step_s < 0.0 && step_s > -period_s && step_s <= -(1.0 - kLongestGapOfPeriod) * period_s;
 }
 
@@ -32,14 +32,19 @@ constexpr std::size_t kLeastSteps = 20;
 
 std::optional<ClockPeriod> restarted_clock(double from_s, double to_s) {
   for (const ClockPeriod& clock : kClocks)
-    if (is_restart(to_s - from_s, clock.period_s)) return clock;
+    if (is_back_by(to_s - from_s, clock.period_s)) return clock;
   return std::nullopt;
+}
+
+bool ContinuedClock::is_restart(double step_s) const {
+  return known_ ? step_s < -0.5 * period_s_ : is_back_by(step_s, period_s_);
 }
 
 double ContinuedClock::continued(double time_s, double last_s, int line) {
   const double step_s = time_s + offset_s_ - last_s;
   if (step_s < 0.0) {
-    const auto clock = restarts_ == 0 ? restarted_clock(last_s, time_s) : std::nullopt;
+    auto clock = restarts_ > 0 ? std::nullopt : known_ ? known_ : restarted_clock(last_s, time_s);
+    if (known_ && clock && step_s >= -0.5 * clock->period_s) clock.reset();
     if (clock) {
       period_s_ = clock->period_s;
       kind_ = clock->kind;
@@ -47,11 +52,11 @@ double ContinuedClock::continued(double time_s, double last_s, int line) {
       from_s_ = last_s;
       to_s_ = time_s;
     }
-    if (clock || (restarts_ > 0 && is_restart(step_s, period_s_))) {
+    if (clock || (restarts_ > 0 && is_restart(step_s))) {
       offset_s_ += period_s_;
       ++restarts_;
     }
-  } else if (offset_s_ > 0.0 && is_restart(-step_s, period_s_)) {
+  } else if (offset_s_ > 0.0 && is_restart(-step_s)) {
     offset_s_ -= period_s_;  // a row from before the restart that was written after it
   }
   return time_s + offset_s_;

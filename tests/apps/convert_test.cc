@@ -133,5 +133,28 @@ TEST(Convert, OfIgnoredBeaconsOnlyWhereThereAreSome) {
   EXPECT_THAT(octant(some).out, HasSubstr("2 arrivals, 1 of ignored beacons\n"));
 }
 
+TEST(Convert, ATableIsUnderstoodAndExplained) {
+  const TemporaryFolder box;
+  spit(box / "kit.csv", "Zeit [ms];Anker;Abstand [cm];gut\n0;A1;512,5;1\n100;A2;620;0\n200;A1;513;1\n");
+  const Outcome explained = octant({"convert", box / "kit.csv", "--explain"});
+  ASSERT_EQ(explained.exit, 0) << explained.err;
+  EXPECT_THAT(explained.out,
+              AllOf(HasSubstr("time: column 'Zeit [ms]'"), HasSubstr("numbers with decimal commas"),
+                    HasSubstr("not used: gut"), HasSubstr("0.1,A2,6.2")));
+  EXPECT_FALSE(std::filesystem::exists(box / "run"));
+  const Outcome done = octant({"convert", box / "kit.csv", "-o", box / "run", "--where", "gut=1"});
+  ASSERT_EQ(done.exit, 0) << done.err;
+  EXPECT_THAT(done.out, HasSubstr("otherwise: --columns"));
+  EXPECT_THAT(done.err, HasSubstr("1 rows are left out by the conditions"));
+  EXPECT_EQ(slurp((box / "run") + "/tof.csv"), "time_s,beacon,distance_m\n0,A1,5.125\n0.2,A1,5.13\n");
+  // A folder is needed, unless the table is only explained.
+  EXPECT_EQ(octant({"convert", box / "kit.csv"}).exit, 2);
+  EXPECT_EQ(octant({"convert", box / "kit.csv", "--explain", "--where", "gut"}).exit, 2);
+  // The mapping that was guessed is kept.
+  ASSERT_EQ(octant({"convert", box / "kit.csv", "-o", box / "a", "--save-columns", box / "m.yaml"}).exit, 0);
+  ASSERT_EQ(octant({"convert", box / "kit.csv", "-o", box / "b", "--columns", box / "m.yaml"}).exit, 0);
+  EXPECT_EQ(slurp((box / "a") + "/tof.csv"), slurp((box / "b") + "/tof.csv"));
+}
+
 }  // namespace convert_test
 }  // namespace octant::test

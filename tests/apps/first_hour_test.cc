@@ -180,7 +180,7 @@ TEST_F(FirstMistakes, AreAnsweredWithTheWayOut) {
   EXPECT_THAT(said({"init", out("none")}, 3),
               HasSubstr("No such file or directory; expected a folder with tof.csv"));
   EXPECT_THAT(said({"init", out("")}, 3), HasSubstr("is this the run folder?"));
-  spit(out("kit.csv"), "timestamp_ms,anchor,distance_cm\n1220,A3,1583.9\n");
+  spit(out("kit.csv"), "p,q,v\n1220,A3,1583.9\n");
   EXPECT_THAT(said({"convert", out("kit.csv"), "-o", out("c")}, 3), HasSubstr("--columns time=COLUMN"));
   // A recording where the deployment belongs, and a word that is missing.
   for (const std::vector<std::string>& words : {std::vector<std::string>{"localize", "-o", out("f")},

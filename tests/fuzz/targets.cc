@@ -19,7 +19,6 @@
 #include "io/history/history.h"
 #include "io/import/foreign_logs.h"
 #include "io/import/plan_import.h"
-#include "io/import/table_log.h"
 #include "io/import/vendor_logs.h"
 #include "io/run/run_folder.h"
 #include "io/run/run_ids.h"
@@ -28,6 +27,8 @@
 #include "io/site/scenario_yaml.h"
 #include "io/site/scene_yaml.h"
 #include "io/site/site_yaml.h"
+#include "io/table/mapping_text.h"
+#include "io/table/table_log.h"
 #include "io/text/open_file.h"
 #include "io/tof/run_parts.h"
 #include "io/tof/tof_reader.h"
@@ -278,20 +279,26 @@ void take_fixes(std::string_view input) {
 
 void take_pulses(std::string_view input) { must_explain(io::read_pulse_log(written("pulses.csv", input))); }
 
-/// The first line is the argument of --columns, the others are the table; its conversion is read like any
-/// tof.csv.
+/// The first line is the argument of --columns, or blank: the columns are guessed. The others are the table;
+/// its conversion is read like any tof.csv.
 void take_table(std::string_view input) {
   const std::size_t end = std::min(input.find('\n'), input.size());
-  const auto mapping = io::mapping_from_words(input.substr(0, end));
-  must_explain(mapping);
-  if (!mapping) return;
-  const auto kept = io::read_mapping(written("columns.yaml", io::mapping_to_yaml(*mapping)));
-  must(kept.has_value() && kept->columns.size() == mapping->columns.size(), "a mapping reads back");
-  const auto table =
-      io::convert_table(written("table.csv", input.substr(std::min(end + 1, input.size()))), *mapping);
+  io::TableMapping mapping;
+  if (end > 0) {
+    const auto stated = io::mapping_from_words(input.substr(0, end));
+    must_explain(stated);
+    if (!stated) return;
+    mapping = *stated;
+    const auto kept = io::read_mapping(written("columns.yaml", io::mapping_to_yaml(mapping)));
+    must(kept.has_value() && kept->columns.size() == mapping.columns.size(), "a mapping reads back");
+  }
+  auto table =
+      io::read_table_log(written("table.csv", input.substr(std::min(end + 1, input.size()))), mapping);
   must_explain(table);
-  if (!table || table->rows == 0) return;
-  must(written_run_reads("tof.csv", table->csv), "what it became is a recording");
+  if (!table || table->log.arrivals.empty()) return;
+  const auto files = io::run_files(table->log, (folder() / "run").string(), {});
+  must_explain(files);
+  if (files) must(written_run_reads("tof.csv", files->front().content), "what it became is a recording");
 }
 
 }  // namespace

@@ -13,18 +13,21 @@
 #include "apps/octant/outputs.h"
 #include "io/bag/bag_log.h"
 #include "io/import/foreign_logs.h"
-#include "io/import/table_log.h"
 #include "io/import/vendor_logs.h"
 #include "io/run/run_folder.h"
 #include "io/site/site_yaml.h"
+#include "io/table/mapping_text.h"
+#include "io/table/table_log.h"
 #include "io/text/atomic_file.h"
+#include "io/text/text.h"
 
 namespace octant::app {
 namespace {
 
 struct ConvertArgs {
-  std::string input, output, format, site, columns, save_columns, topics, save_topics;
-  std::vector<std::string> ignore;
+  std::string input, output, format, site, columns, save_columns, topics, save_topics, time_format, decimal;
+  std::vector<std::string> ignore, where, no_value;
+  bool explain = false, no_header = false;
   std::optional<double> speed_mps, period_s;
   double clock_hz = kCounterClock_hz, spread_s = 2e-4;
   FiringSchedule schedule;
@@ -61,13 +64,6 @@ MeasurementLog from_pulses(const ConvertArgs& args, const NameTable& names) {
   return log;
 }
 
-/// Detects the format of a log if --format is not given.
-std::string format_of(const ConvertArgs& args) {
-  if (args.format != "auto") return args.format;
-  if (!args.topics.empty() || io::is_bag(args.input)) return "bag";
-  return args.site.empty() ? "carmen" : "counters";
-}
-
 /// ", 12 of ignored beacons", or an empty text if there are none.
 std::string ignored_words(std::size_t rows) {
   return rows > 0 ? fmt::format(", {} of ignored beacons", rows) : "";
@@ -95,41 +91,39 @@ void write_run_files(const std::string& folder, const std::vector<io::FileConten
                   folder, fmt::join(rest, ", "), rest.size() == 1 ? "is" : "are"));
 }
 
-/// Converts any table by --columns, or by its header if that uses the names of tof.csv.
-int convert_by_columns(const ConvertArgs& args, const std::optional<io::TableMapping>& own,
-                       Session& session) {
-  const bool is_file = !own && args.columns.find('=') == std::string::npos;
-  check_no_overwriting({.inputs = {args.input, is_file ? args.columns : ""},
-                        .outputs = {args.save_columns},
-                        .run_outputs = {args.output}});
-  io::TableMapping mapping =
-      own ? *own : need(is_file ? io::read_mapping(args.columns) : io::mapping_from_words(args.columns));
-  mapping.ignore.insert(mapping.ignore.end(), args.ignore.begin(), args.ignore.end());
-  const io::ConvertedTable table = need(io::convert_table(args.input, mapping));
-  session.warn(table.warnings);
-  std::vector<io::FileContent> files = {{args.output + "/tof.csv", table.csv}};
-  if (!args.save_columns.empty()) files.push_back({args.save_columns, io::mapping_to_yaml(mapping)});
-  write_run_files(args.output, files, session);
-  session.result(
-      fmt::format("{:<17}{}: {} arrivals{}\n", "run", args.output, table.rows, ignored_words(table.ignored)));
-  return session.finish({{"format", "table"},
-                         {"run", args.output},
-                         {"arrivals", table.rows},
-                         {"ignored", table.ignored},
-                         {"not_heard", table.not_heard}});
+/// The first lines of a file for --explain.
+std::string first_lines(const io::FileContent& file) {
+  constexpr std::size_t kLines = 6;
+  std::string_view text = file.content;
+  std::string lines;
+  for (std::size_t i = 0; i < kLines && !text.empty(); ++i) lines += fmt::format("{}\n", io::take_line(text));
+  const auto more = std::ranges::count(text, '\n');
+  if (more > 0) lines += fmt::format("... {} more\n", more);
+  return lines;
+}
+
+/// Writes the files of a run into a new or existing folder, or shows their first rows.
+void write_or_explain(const ConvertArgs& args, const std::vector<io::FileContent>& files, Session& session) {
+  if (!args.explain) return write_run_files(args.output, files, session);
+  for (const io::FileContent& file : files)
+    session.result(
+        fmt::format("{}\n{}", std::filesystem::path(file.path).filename().string(), first_lines(file)));
 }
 
 /// Completes an import with the names found in the log; there is no site file yet.
 int finish_import(const ConvertArgs& args, io::ImportedLog log, const std::vector<io::FileContent>& others,
-                  const std::string& format, Session& session) {
+                  const std::string& format, Session& session,
+                  const std::vector<std::string>& understood = {}) {
   auto files = need(io::run_files(log, args.output, args.speed_mps));
   session.warn(log.warnings);
-  files.insert(files.end(), others.begin(), others.end());
-  write_run_files(args.output, files, session);
-  const bool distances = !log.arrivals.empty() && log.arrivals.front().is_distance && !args.speed_mps;
-  session.result(fmt::format("{:<17}{}: {} arrivals{}, {} odometry rows, {} poses{}\n", "run", args.output,
-                             log.arrivals.size(), distances ? " (distance_m)" : "", log.odometry.size(),
-                             log.poses.size(), ignored_words(log.ignored_rows())));
+  for (const std::string& line : understood) session.result(fmt::format("{:<17}{}\n", "understood", line));
+  if (!args.explain) files.insert(files.end(), others.begin(), others.end());
+  write_or_explain(args, files, session);
+  std::string rows = fmt::format("{} arrivals{}", log.arrivals.size(), ignored_words(log.ignored_rows()));
+  if (!log.odometry.empty()) rows += fmt::format(", {} odometry rows", log.odometry.size());
+  if (!log.poses.empty()) rows += fmt::format(", {} poses", log.poses.size());
+  session.result(fmt::format("{:<17}{}: {}\n", args.explain ? "not written" : "run",
+                             args.explain ? args.input : args.output, rows));
   return session.finish({{"format", format},
                          {"run", args.output},
                          {"arrivals", log.arrivals.size()},
@@ -137,7 +131,37 @@ int finish_import(const ConvertArgs& args, io::ImportedLog log, const std::vecto
                          {"poses", log.poses.size()},
                          {"truth", log.truth.size()},
                          {"ignored", log.ignored_rows()},
-                         {"not_heard", log.not_heard}});
+                         {"not_heard", log.not_heard},
+                         {"understood", understood}});
+}
+
+/// How a table is to be read: --columns or its file, and the options that overrule them.
+io::TableMapping table_mapping(const ConvertArgs& args) {
+  io::TableMapping mapping;
+  if (!args.columns.empty())
+    mapping = need(args.columns.find('=') == std::string::npos ? io::read_mapping(args.columns)
+                                                               : io::mapping_from_words(args.columns));
+  mapping.ignore.insert(mapping.ignore.end(), args.ignore.begin(), args.ignore.end());
+  for (const std::string& word : args.where) mapping.where.push_back(need(io::condition_from_word(word)));
+  mapping.no_header = mapping.no_header || args.no_header;
+  if (!args.time_format.empty()) mapping.time_format = args.time_format;
+  if (!args.decimal.empty()) mapping.decimal = args.decimal;
+  if (!args.no_value.empty()) mapping.no_value = args.no_value;
+  if (args.period_s) mapping.period_s = args.period_s;
+  return mapping;
+}
+
+/// Converts any table.
+int convert_table(const ConvertArgs& args, Session& session) {
+  const bool is_file = !args.columns.empty() && args.columns.find('=') == std::string::npos;
+  check_no_overwriting({.inputs = {args.input, is_file ? args.columns : ""},
+                        .outputs = {args.save_columns},
+                        .run_outputs = {args.output}});
+  io::TableLog table = need(io::read_table_log(args.input, table_mapping(args)));
+  std::vector<io::FileContent> others;
+  if (!args.save_columns.empty()) others.push_back({args.save_columns, io::mapping_to_yaml(table.mapping)});
+  return finish_import(args, std::move(table.log), others, "table", session,
+                       args.explain ? table.understood : table.guessed);
 }
 
 /// Converts a bag, by --topics or by the types of its topics.
@@ -166,21 +190,20 @@ int convert_vendor(const ConvertArgs& args, const std::string& format, Session& 
   return finish_import(args, need(std::move(log)), {}, format, session);
 }
 
-/// A CARMEN log. Where --format does not state it, a file that is none may be a table or the log of a kit.
-MeasurementLog from_carmen(const ConvertArgs& args) {
-  auto log = io::read_carmen_log(args.input);
-  if (log || args.format != "auto") return need(std::move(log));
-  Error error = log.error();
-  if (std::string advice = io::advice_for_table(args.input); !advice.empty())
-    error.advice = advice + "; the logs of kits are read with --format, see octant convert --help";
-  fail_with(error);
+/// Detects the format of a log if --format is not given.
+std::string format_of(const ConvertArgs& args) {
+  if (args.format != "auto") return args.format;
+  if (!args.columns.empty()) return "table";
+  if (!args.topics.empty() || io::is_bag(args.input)) return "bag";
+  if (!args.site.empty()) return "counters";
+  return io::is_carmen_log(args.input) ? "carmen" : "table";
 }
 
 int run(const ConvertArgs& args, Session& session) {
-  if (!args.columns.empty()) return convert_by_columns(args, std::nullopt, session);
+  if (args.output.empty() && !args.explain)
+    fail_usage("-o,--output is required (Run folder to write)", "or --explain, which writes no files");
   const std::string format = format_of(args);
-  if (args.format == "auto" && format == "carmen")
-    if (const auto own = io::mapping_of_header(args.input)) return convert_by_columns(args, own, session);
+  if (format == "table") return convert_table(args, session);
   if (format == "bag") return convert_bag(args, session);
   if (format == "marvelmind" || format == "crazyflie" || format == "dwm1001")
     return convert_vendor(args, format, session);
@@ -199,13 +222,14 @@ int run(const ConvertArgs& args, Session& session) {
                  .found = fmt::format("{} beacons", names.beacons.size()),
                  .expected = "3 to 16, in the order in which they fire"});
   }
-  MeasurementLog log = format == "carmen"     ? from_carmen(args)
+  MeasurementLog log = format == "carmen"     ? need(io::read_carmen_log(args.input))
                        : format == "counters" ? from_counters(args, names)
                                               : from_pulses(args, names);
   session.warn(log.warnings);
   log.vehicle = VehicleId(0);
-  need(io::write_run(args.output, log, names));
-  session.result(fmt::format("{:<17}{}: {} arrivals, {} scans, {} odometry rows\n", "run", args.output,
+  if (!args.explain) need(io::write_run(args.output, log, names));
+  session.result(fmt::format("{:<17}{}: {} arrivals, {} scans, {} odometry rows\n",
+                             args.explain ? "not written" : "run", args.explain ? args.input : args.output,
                              log.arrivals.size(), log.scans.size(), log.odometry.size()));
   return session.finish({{"format", format},
                          {"run", args.output},
@@ -216,15 +240,40 @@ int run(const ConvertArgs& args, Session& session) {
 
 }  // namespace
 
+/// Options for what is recognised in a table.
+void add_table_options(CLI::App& command, ConvertArgs& args) {
+  command.add_flag("--explain", args.explain, "Show what is understood and the first rows; write no files");
+  command.add_flag("--no-header", args.no_header, "Tables: the first line is a row");
+  add_option(command, "--where", args.where, "CONDITIONS",
+             "Tables: use only the rows that meet all conditions, as valid=1,quality>50 (= != < <= > >=)")
+      ->delimiter(',');
+  add_option(
+      command, "--time-format", args.time_format, "FORMAT",
+      "Tables: of the times: s, ms, us, ns, excel or matlab (serial dates), dw1000 (counts of 40 bits), "
+      "dmy or mdy (order of dates with slashes); without it, recognised")
+      ->check(
+          CLI::IsMember(std::vector<std::string>(std::begin(io::kTimeFormats), std::end(io::kTimeFormats))));
+  add_option(command, "--decimal", args.decimal, "MARK",
+             "Tables: decimal mark, point or comma; without it, recognised")
+      ->check(CLI::IsMember({"point", "comma"}));
+  add_option(command, "--no-value", args.no_value, "CELLS",
+             "Tables: cells without a measurement, as 0,-1,65535, or none; without it, recognised")
+      ->delimiter(',');
+}
+
 /// Options for tables, bags and kits.
 void add_mapping_options(CLI::App& command, ConvertArgs& args) {
-  add_option(command, "--columns", args.columns, "MAPPING",
-             "Any table: which of its columns is what, as "
-             "time=timestamp_ms,beacon=anchor,tof=tof_us*1e-6 (or distance=..., epoch, receiver, "
-             "vehicle, amplitude, temperature), or a file that --save-columns wrote. One column for "
-             "each beacon: time=t,distance=r_{beacon} or time=t,distance:A1=r1,distance:A2=r2. "
-             "Without a header line: time=#1,beacon=#2,distance=#3. Units at the end of names (_ms, "
-             "[cm]), dates with times, delimiters and decimal commas are recognised");
+  add_option(
+      command, "--columns", args.columns, "MAPPING",
+      "Any table: which of its columns is what, as "
+      "time=timestamp_ms,beacon=anchor,tof=tof_us*1e-6 (or distance=..., epoch, receiver, "
+      "vehicle, amplitude, temperature), or a file that --save-columns wrote; without it, the columns are "
+      "guessed. One column for "
+      "each beacon: time=t,distance=r_{beacon} or time=t,distance:A1=r1,distance:A2=r2. "
+      "Without a header line: time=#1,beacon=#2,distance=#3. A column of dates and one of times of day: "
+      "time=Date+Time. Units at the end of names (_ms, "
+      "[cm]), dates with times, delimiters and decimal commas are recognised");
+  add_table_options(command, args);
   add_option(command, "--topics", args.topics, "MAPPING",
              "Bags: which topic is what, as range=/uwb/{receiver}/{beacon} (or range=/uwb@{beacon}, by "
              "frame_id; range:B3=/kit/range_3), odometry=/odom, poses=/mocap/pose, "
@@ -238,13 +287,13 @@ void add_mapping_options(CLI::App& command, ConvertArgs& args) {
           "Bags and kits: the speed that the device made distances with; they become times of flight, "
           "which media whose speed is not constant need [m/s]")
       ->check(CLI::PositiveNumber);
-  command.add_option("--period-s", args.period_s, "dwm1001: between lines that bear no time [s]")
+  command.add_option("--period-s", args.period_s, "Tables and dwm1001: between lines without a time [s]")
       ->check(CLI::PositiveNumber);
   add_option(command, "--ignore", args.ignore, "IDS",
              "Tables, bags and kits: beacons to leave out, a neighbour's; their rows are counted")
       ->delimiter(',');
   add_option(command, "--save-columns", args.save_columns, "M.yaml",
-             "With --columns: the mapping to write, for the next time");
+             "Tables: the mapping to write, for the next time");
 }
 
 void add_counter_options(CLI::App& command, ConvertArgs& args) {
@@ -275,16 +324,17 @@ void add_convert(CLI::App& app, CommonOptions& common, Action& action) {
       "octant convert intel.clf -o intel", run);
   add_required_option(
       *command, "input", args->input, "INPUT",
-      "CARMEN log; ROS 2 bag (.mcap, .db3, or its folder); a kit's log; counter log (time_s, "
+      "Table (CSV, also .gz, .zst, UTF-16); CARMEN log; ROS 2 bag (.mcap, .db3, or its folder); a kit's log; "
+      "counter log (time_s, "
       "beacon, counts; epoch, receiver); pulse log (time_s, channel, duration_s, amplitude_v)");
-  add_required_option(*command, "-o,--output", args->output, "RUN", "Run folder to write");
+  add_option(*command, "-o,--output", args->output, "RUN", "Run folder to write");
   // Set afterwards, because the description names the default.
   add_option(*command, "--format", args->format, "FORMAT",
-             "auto, bag, carmen, counters, pulses, marvelmind (the dashboard's CSV), crazyflie (the "
-             "client's CSV of two-way ranging) or dwm1001 (les or lec lines); auto: bag where it is one, "
-             "counters where --site is given, else carmen")
+             "auto, table, bag, carmen, counters, pulses, marvelmind (the dashboard's CSV), crazyflie (the "
+             "client's CSV of two-way ranging) or dwm1001 (les or lec lines); auto: by content, "
+             "counters where --site is given")
       ->check(CLI::IsMember(
-          {"auto", "bag", "carmen", "counters", "pulses", "marvelmind", "crazyflie", "dwm1001"}));
+          {"auto", "table", "bag", "carmen", "counters", "pulses", "marvelmind", "crazyflie", "dwm1001"}));
   args->format = "auto";
   add_mapping_options(*command, *args);
   add_counter_options(*command, *args);

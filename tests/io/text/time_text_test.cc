@@ -19,7 +19,16 @@ TEST(TimeText, NumbersDatesAndTimesOfDayAreSeconds) {
                                                   {"2026-06-11T13:33:48.686+02:00", 1781177628.686},
                                                   {"2026-06-11T06:33:48.686-0500", 1781177628.686},
                                                   {"2026/6/11 11:33:48", 1781177628.0},
-                                                  {"11.06.2026 11:33:48", 1781177628.0}};
+                                                  {"11.06.2026 11:33:48", 1781177628.0},
+                                                  {"11.06.26 11:33", 1781177580.0},
+                                                  {"20260611T113348Z", 1781177628.0},
+                                                  {"11-Jun-2026 11:33:48", 1781177628.0},
+                                                  {"11-Okt-2026 11:33:48.5", 1791718428.5},
+                                                  {"2026-06-11 11:33:48 UTC", 1781177628.0},
+                                                  {"2026-06-11T13:33:48+02:00[Europe/Berlin]", 1781177628.0},
+                                                  {"11:33:48:500", 41628.5},
+                                                  {"1:33:48 PM", 48828.0},
+                                                  {"12:00:01 am", 1.0}};
   for (const auto& [text, seconds] : cases) {
     const auto time_s = time_of_text(text);
     ASSERT_TRUE(time_s) << text;
@@ -32,6 +41,18 @@ TEST(TimeText, OtherTextIsNoTime) {
                            "12:60:00", "12:00", "12:00:00 o'clock", "2026-06-11 11:33:48 +25:00", "1.2.3",
                            "06-11-2026 11:33:48", "2026-06-11 11:33:48-", "99999999999999999999:00:00"})
     EXPECT_FALSE(time_of_text(text)) << text;
+}
+
+TEST(TimeText, DatesWithSlashesHaveAnOrder) {
+  EXPECT_FALSE(time_of_text("6/11/2026 11:33:48"));
+  EXPECT_EQ(time_of_text("6/11/2026 11:33:48", DateOrder::kMonthFirst), 1781177628.0);
+  EXPECT_EQ(time_of_text("11/6/2026 11:33:48", DateOrder::kDayFirst), 1781177628.0);
+  EXPECT_FALSE(time_of_text("13/6/2026 11:33:48", DateOrder::kMonthFirst));
+  EXPECT_FALSE(time_of_text("6/11/2026 13:33:48 PM", DateOrder::kMonthFirst));
+  EXPECT_TRUE(is_date("2026-06-11"));
+  EXPECT_TRUE(is_date("11.06.2026"));
+  EXPECT_FALSE(is_date("2026"));
+  EXPECT_FALSE(is_date("1.5"));
 }
 
 TEST(TimeText, StampsBeyondTheYear5138AreInASmallerUnit) {

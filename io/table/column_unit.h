@@ -21,4 +21,9 @@ struct UnitConversion {
 /// Errors: kBadInput without a place: a unit in brackets that is not known, or a unit of another quantity.
 [[nodiscard]] Result<UnitConversion> unit_of_column(std::string_view name, std::string_view target);
 
+/// The name without the unit at its end.
+[[nodiscard]] std::string_view without_unit(std::string_view name);
+/// True for a unit alone, with or without brackets.
+[[nodiscard]] bool is_unit(std::string_view text);
+
 }  // namespace octant::io

@@ -1,16 +1,17 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-// Mappings of tables: from the words of --columns, from a file, from a header, and into a file.
+#include "io/table/mapping_text.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "io/import/column_unit.h"
 #include "io/import/mapping_words.h"
 #include "io/import/name_pattern.h"
-#include "io/import/table_cells.h"
+#include "io/table/column_unit.h"
+#include "io/table/table_cells.h"
 #include "io/text/open_file.h"
 #include "io/text/text.h"
 #include "io/yaml/yaml_reader.h"
@@ -19,8 +20,7 @@
 namespace octant::io {
 namespace {
 
-constexpr std::size_t kHeadBytes = 65536;   // a header and what is commented above it stand within
-constexpr std::size_t kHeaderBytes = 4096;  // longer lines are no header that people wrote
+constexpr std::string_view kRelations[] = {"!=", "<=", ">=", "=", "<", ">"};  // the longer ones first
 
 constexpr const char* kTargets =
     "time, beacon, tof or distance (distance:A1 for a column of beacon A1), epoch, vehicle, receiver, "
@@ -74,6 +74,59 @@ Result<ColumnRule> rule_of(std::string_view target, std::string_view source) {
   return rule;
 }
 
+std::string source_text(const ColumnRule& rule) {
+  return rule.factor ? rule.source + "*" + exact(*rule.factor) : rule.source;
+}
+
+void write_list(YamlWriter& yaml, const char* key, const std::vector<std::string>& words) {
+  if (words.empty()) return;
+  yaml.text(key);
+  yaml.begin_list(true);
+  for (const std::string& word : words) yaml.text(word, true);
+  yaml.end_list();
+}
+
+/// Keys about the rows and cells, as far as they are not the default.
+void write_rows(YamlWriter& yaml, const TableMapping& mapping) {
+  std::vector<std::string> where;
+  for (const RowCondition& c : mapping.where) where.push_back(c.column + c.relation + c.value);
+  write_list(yaml, "where", where);
+  write_list(yaml, "no_value", mapping.no_value);
+  const auto text = [&yaml](const char* key, const std::string& value) {
+    if (value.empty()) return;
+    yaml.text(key);
+    yaml.text(value);
+  };
+  text("header", mapping.no_header ? "none" : "");
+  text("time_format", mapping.time_format);
+  text("decimal", mapping.decimal);
+  text("period_s", mapping.period_s ? exact(*mapping.period_s) : "");
+}
+
+void read_rows(YamlMap& root, YamlLog& log, TableMapping& table) {
+  for (const YamlNode& word : root.list("where")) {
+    auto condition = condition_from_word(text_of(word, "where", log));
+    if (!condition) return root.fail("where", condition.error().found, condition.error().expected);
+    table.where.push_back(std::move(*condition));
+  }
+  for (const YamlNode& word : root.list("no_value")) table.no_value.push_back(text_of(word, "no_value", log));
+  std::vector<std::pair<std::string, std::string>> formats;
+  for (const char* format : kTimeFormats) formats.emplace_back(format, format);
+  table.no_header = root.choice<bool>("header", {{"none", true}}, false);
+  table.time_format = root.choice<std::string>("time_format", formats, "");
+  table.decimal = root.choice<std::string>("decimal", {{"point", "point"}, {"comma", "comma"}}, "");
+  table.period_s = root.optional_number("period_s", kPositive);
+}
+
+void add_rule(YamlMap& columns, std::string_view key, const std::string& target, const std::string& source,
+              TableMapping& table) {
+  auto rule = rule_of(target, source);
+  if (rule) return table.columns.push_back(std::move(*rule));
+  columns.fail(key, rule.error().found, rule.error().expected);
+}
+
+}  // namespace
+
 Result<void> check_mapping(const TableMapping& mapping) {
   const auto refuse = [](std::string found, std::string expected) {
     return fail({.code = Errc::kUsage, .found = std::move(found), .expected = std::move(expected)});
@@ -105,7 +158,7 @@ Result<void> check_mapping(const TableMapping& mapping) {
   });
   if (wide_receivers && has("receiver") > 0)
     return refuse("both a column of receivers and columns of one receiver", "one of the two");
-  if (has("time_s") == 1 && (wide > 0 || (has("beacon") == 1 && values == 1)) &&
+  if (has("time_s") <= 1 && (wide > 0 || (has("beacon") == 1 && values == 1)) &&
       (has("tof_s") == 0 || has("distance_m") == 0))
     return {};
   return refuse("the columns do not say what was heard when",
@@ -114,26 +167,20 @@ Result<void> check_mapping(const TableMapping& mapping) {
                 "beacon, time=t,distance=r_{beacon}");
 }
 
-/// The first line of a file that is neither empty nor a comment.
-std::string first_line(std::string_view text) {
-  text = without_bom(text.substr(0, kHeadBytes));
-  std::string_view line;
-  while (!text.empty() && (line.empty() || line.front() == '#')) line = without_blanks(take_line(text));
-  return std::string(line.substr(0, kHeaderBytes));
+Result<RowCondition> condition_from_word(std::string_view word) {
+  std::size_t at = word.find_first_of("=<>!");
+  for (const std::string_view relation : kRelations) {
+    if (at == std::string_view::npos || !word.substr(at).starts_with(relation)) continue;
+    std::string_view value = word.substr(at + relation.size());
+    if (relation == "=" && value.starts_with('=')) value.remove_prefix(1);
+    RowCondition condition{std::string(without_blanks(word.substr(0, at))), std::string(relation),
+                           std::string(without_blanks(value))};
+    if (!condition.column.empty()) return condition;
+  }
+  return fail({.code = Errc::kUsage,
+               .found = fmt::format("{} is no condition", in_quotes(word)),
+               .expected = "COLUMN=VALUE, or with != < <= > >=, as in --where valid=1"});
 }
-
-std::string source_text(const ColumnRule& rule) {
-  return rule.factor ? rule.source + "*" + exact(*rule.factor) : rule.source;
-}
-
-void add_rule(YamlMap& columns, std::string_view key, const std::string& target, const std::string& source,
-              TableMapping& table) {
-  auto rule = rule_of(target, source);
-  if (rule) return table.columns.push_back(std::move(*rule));
-  columns.fail(key, rule.error().found, rule.error().expected);
-}
-
-}  // namespace
 
 Result<TableMapping> mapping_from_words(std::string_view words) {
   TableMapping mapping;
@@ -148,37 +195,6 @@ Result<TableMapping> mapping_from_words(std::string_view words) {
   }
   if (auto whole = check_mapping(mapping); !whole) return fail(whole.error());
   return mapping;
-}
-
-std::optional<TableMapping> mapping_of_header(const std::string& path) {
-  const auto map = MappedFile::open(path);
-  if (!map) return std::nullopt;
-  const std::string header = first_line(map->text());
-  TableMapping all;
-  for (const TofColumn& c : kTofColumns) all.columns.push_back({std::string(c.name), std::string(c.name)});
-  const auto cells = cells_of(header, delimiter_of(header, all));
-  TableMapping own;
-  for (const ColumnRule& rule : all.columns)
-    if (std::ranges::count(cells, rule.source) == 1) own.columns.push_back(rule);
-  return check_mapping(own) ? std::optional(own) : std::nullopt;
-}
-
-std::string advice_for_table(const std::string& path) {
-  constexpr std::size_t kLeastColumns = 3;
-  const auto map = MappedFile::open(path);
-  if (!map) return "";
-  const std::string header = first_line(map->text());
-  const auto cells = cells_of(header, delimiter_of(header, {}));
-  if (cells.size() < kLeastColumns || !is_utf8(header)) return "";
-  if (is_headless(cells))
-    return "a table without a header line is read by the numbers of its columns: --columns "
-           "time=#1,beacon=#2,distance=#3, or with a column for each beacon "
-           "time=#1,distance:A1=#2,distance:A2=#3";
-  return fmt::format(
-      "a table is read with --columns time=COLUMN,beacon=COLUMN,distance=COLUMN, or, with a column for each "
-      "beacon "
-      "(r_A1, r_A2), --columns time=COLUMN,distance=r_{{beacon}}; columns of this one: {}",
-      listed(cells, 20));
 }
 
 Result<TableMapping> read_mapping(const std::string& path) {
@@ -198,6 +214,7 @@ Result<TableMapping> read_mapping(const std::string& path) {
                      text_of(node.value(i), columns.path(column.name), log), table);
         }
         table.ignore = read_ignored(root, log);
+        read_rows(root, log, table);
         columns.finish();
       });
   if (!mapping) return mapping;
@@ -208,6 +225,17 @@ Result<TableMapping> read_mapping(const std::string& path) {
     return fail(error);
   }
   return mapping;
+}
+
+std::string mapping_to_words(const TableMapping& mapping) {
+  std::string words;
+  for (const ColumnRule& rule : mapping.columns) {
+    std::string target(tof_column(rule.target)->short_name);
+    if (!rule.beacon.empty()) target += ":" + rule.beacon;
+    if (!rule.receiver.empty()) target += ":" + rule.receiver;
+    words += (words.empty() ? "" : ",") + target + "=" + source_text(rule);
+  }
+  return words.find_first_of(" #{}()[]*;&'\"") == std::string::npos ? words : "'" + words + "'";
 }
 
 std::string mapping_to_yaml(const TableMapping& mapping) {
@@ -237,6 +265,7 @@ std::string mapping_to_yaml(const TableMapping& mapping) {
   }
   yaml.end_map();
   write_ignored(yaml, mapping.ignore);
+  write_rows(yaml, mapping);
   yaml.end_map();
   return yaml.finish();
 }

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include "io/import/column_unit.h"
+#include "io/table/column_unit.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
