@@ -56,6 +56,12 @@ struct ImportedLog {
   [[nodiscard]] std::size_t ignored_rows() const;
 };
 
+/// Options of the readers of kits' logs.
+struct VendorLogOptions {
+  std::vector<std::string> ignore{};  ///< beacons whose rows are left out, such as those of a neighbour
+  std::optional<double> period_s{};   ///< time between lines without a time
+};
+
 /// Removes the names of receivers, or of vehicles, if all arrivals have the same one.
 void remove_only_receiver(ImportedLog& log);
 void remove_only_vehicle(ImportedLog& log);

@@ -3,14 +3,15 @@
 #include "io/import/vendor_logs.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include "io/import/decoded_text.h"
+#include "io/import/kit_lines.h"
+#include "io/import/linktrack.h"
 #include "io/import/mapping_words.h"
 #include "io/run/last_row.h"
-#include "io/text/bounds.h"
 #include "io/text/csv.h"
 #include "io/text/open_file.h"
 #include "io/text/text.h"
@@ -19,23 +20,7 @@
 namespace octant::io {
 namespace {
 
-constexpr std::size_t kMostFields = 4096;  ///< bytes of a line
-constexpr int kAnchors = 8;                ///< anchors of the Crazyflie's two-way ranging
-
-std::vector<std::string_view> fields_at(std::string_view line, char delimiter) {
-  std::vector<std::string_view> fields;
-  while (fields.size() < kMostFields) {
-    const std::size_t end = line.find(delimiter);
-    fields.push_back(without_blanks(line.substr(0, end)));
-    if (end == std::string_view::npos) break;
-    line.remove_prefix(end + 1);
-  }
-  return fields;
-}
-
-bool logged_number(std::string_view text, double& value) {
-  return parse_number(text, value) == NumberText::kNumber && std::isfinite(value);
-}
+constexpr int kAnchors = 8;  ///< anchors of the Crazyflie's two-way ranging
 
 /// Collects the rows of a log; counts ignored beacons and rows without a measurement.
 class VendorRows {
@@ -82,10 +67,9 @@ class VendorRows {
 /// Calls row(line, number) for each line that is not blank, until one gives an error.
 template <class Row>
 Result<void> for_each_line(const std::string& path, const Row& row) {
-  const auto map = MappedFile::open(path);
-  if (!map) return fail(map.error());
-  if (auto fit = check_lines(map->text(), path); !fit) return fit;
-  std::string_view text = without_bom(map->text());
+  const auto decoded = DecodedText::open(path);
+  if (!decoded) return fail(decoded.error());
+  std::string_view text = decoded->text();
   for (int number = 1; !text.empty(); ++number) {
     const std::string_view line = without_blanks(take_line(text));
     if (line.empty()) continue;
@@ -93,8 +77,6 @@ Result<void> for_each_line(const std::string& path, const Row& row) {
   }
   return {};
 }
-
-// --- DWM1001
 
 /// A time as terminals write it before a line, with brackets and separators around it.
 std::optional<double> written_time_s(std::string_view text) {
@@ -105,79 +87,21 @@ std::optional<double> written_time_s(std::string_view text) {
   return time_s ? std::optional(seconds_of_stamp(*time_s)) : std::nullopt;
 }
 
-bool is_address(std::string_view text) {
-  return text.size() >= 4 && text.size() <= 16 &&
-         std::ranges::all_of(text, [](unsigned char c) { return std::isxdigit(c) != 0; });
-}
-
-struct Dwm1001Group {
-  std::string_view anchor;
-  double distance_m = 0.0;
-};
-
-/// AN0,1151,5.00,8.00,2.25,6.44,AN1,...
-std::size_t groups_of_lec(std::string_view payload, std::vector<Dwm1001Group>& groups) {
-  const auto fields = fields_at(payload, ',');
-  std::size_t garbled = 0;
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    if (!fields[i].starts_with("AN")) continue;
-    double number = 0.0;
-    bool whole = i + 5 < fields.size() && is_address(fields[i + 1]);
-    for (std::size_t k = 2; whole && k <= 5; ++k) whole = logged_number(fields[i + k], number);
-    if (!whole) {
-      ++garbled;
-      continue;
-    }
-    groups.push_back({fields[i + 1], number});
-    i += 5;
-  }
-  return garbled;
-}
-
-/// 1151[5.00,8.00,2.25]=6.48 0CA8[...]=... le_us=2576 est[...]
-std::size_t groups_of_les(std::string_view payload, std::vector<Dwm1001Group>& groups) {
-  std::size_t garbled = 0;
-  for (const std::string_view word : fields_at(payload, ' ')) {
-    const std::size_t open = word.find('['), equals = word.find("]=");
-    if (open == std::string_view::npos || word.starts_with("est[")) continue;
-    double distance_m = 0.0;
-    if (equals == std::string_view::npos || !is_address(word.substr(0, open)) ||
-        !logged_number(word.substr(equals + 2), distance_m)) {
-      ++garbled;
-    } else {
-      groups.push_back({word.substr(0, open), distance_m});
-    }
-  }
-  return garbled;
-}
-
-/// Position in a line at which the output of the module begins; npos: the line is neither of the two kinds.
-std::size_t begin_of_payload(std::string_view line) {
-  if (const std::size_t lec = line.find("DIST,"); lec != std::string_view::npos) return lec;
-  const std::size_t group = line.find("]=");
-  if (group == std::string_view::npos) return group;
-  const std::size_t open = line.rfind('[', group);
-  if (open == std::string_view::npos) return open;
-  std::size_t begin = open;
-  while (begin > 0 && std::isxdigit(static_cast<unsigned char>(line[begin - 1])) != 0) --begin;
-  return begin;
-}
-
-class Dwm1001Reader {
+/// Lines that a module writes to a terminal, each with a time before it, of its own, or at equal intervals.
+class KitLineReader {
  public:
-  Dwm1001Reader(VendorRows& rows, const VendorLogOptions& options) : rows_(rows), options_(options) {}
+  KitLineReader(VendorRows& rows, const VendorLogOptions& options, KitLineParser parser)
+      : rows_(rows), options_(options), parser_(parser) {}
 
-  Result<void> line(std::string_view line, int number) {
-    const std::size_t begin = begin_of_payload(line);
-    if (begin == std::string_view::npos) return {};
-    const auto time_s = time_of(line.substr(0, begin), number);
+  Result<void> line(std::string_view text, int number) {
+    const auto line = parser_(text);
+    if (!line) return {};
+    const auto time_s = time_of(*line, text.substr(0, line->begin), number);
     if (!time_s) return fail(time_s.error());
-    std::vector<Dwm1001Group> groups;
-    const std::string_view payload = line.substr(begin);
-    garbled_ +=
-        payload.starts_with("DIST,") ? groups_of_lec(payload, groups) : groups_of_les(payload, groups);
-    for (const Dwm1001Group& g : groups)
-      if (!rows_.add(*time_s, g.anchor, g.distance_m)) return fail(rows_.too_many_names(number));
+    garbled_ += line->garbled;
+    for (const KitRange& range : line->ranges)
+      if (!rows_.add(*time_s, range.beacon, range.distance_m, range.receiver))
+        return fail(rows_.too_many_names(number));
     ++lines_;
     return {};
   }
@@ -186,19 +110,20 @@ class Dwm1001Reader {
   [[nodiscard]] std::size_t garbled() const { return garbled_; }
 
  private:
-  Result<double> time_of(std::string_view before, int number) {
+  Result<double> time_of(const KitLine& line, std::string_view before, int number) {
     if (options_.period_s) return *options_.period_s * static_cast<double>(lines_);
     const auto written = written_time_s(before);
-    if (!written)
-      return fail(rows_.error(number,
-                              before.empty() ? "a line without a time" : "no time in " + in_quotes(before),
-                              "seconds, yyyy-mm-dd hh:mm:ss or hh:mm:ss before what the module said",
-                              "log with time stamps, or say how far lines are apart: --period-s 0.1"));
-    return *written;
+    if (written) return *written;
+    if (line.time_s) return *line.time_s;
+    return fail(rows_.error(number,
+                            before.empty() ? "a line without a time" : "no time in " + in_quotes(before),
+                            "seconds, yyyy-mm-dd hh:mm:ss or hh:mm:ss before what the module said",
+                            "log with time stamps, or say how far lines are apart: --period-s 0.1"));
   }
 
   VendorRows& rows_;
   const VendorLogOptions& options_;
+  KitLineParser parser_;
   std::size_t lines_ = 0, garbled_ = 0;
 };
 
@@ -282,18 +207,105 @@ Result<ImportedLog> read_crazyflie_log(const std::string& path, const VendorLogO
   return std::move(rows.log);
 }
 
+namespace {
+
+/// A kit whose modules write lines.
+struct LineKit {
+  std::string_view name;
+  std::vector<KitLineParser> parsers;  ///< the first one that fits a line is used for all lines
+  const char *missing, *example;
+};
+
+const std::vector<LineKit>& line_kits() {
+  static const std::vector<LineKit> all = {
+      {"dwm1001",
+       {dwm1001_line},
+       "no line that a DWM1001 says to les or lec",
+       "DIST,4,AN0,1151,... or 1151[5.00,8.00,2.25]=6.48 ..."},
+      {"trek1000",
+       {trek1000_line, trek1000_raw_line},
+       "no line with ranges of a TREK1000",
+       "mc 0f 00000663 000005a3 00000512 000004cb 095f c1 00024c24 a0:0"},
+      {"makerfabs",
+       {makerfabs_line},
+       "no line with ranges of a Makerfabs module",
+       "{\"links\":[{\"A\":\"1782\",\"R\":\"1.03\"}]} or AT+RANGE=tid:0,..."},
+      {"pozyx", {pozyx_line}, "no line with a range of a Pozyx", "1523 ms, 2345 mm, -80 dBm"}};
+  return all;
+}
+
+Result<ImportedLog> read_lines(const LineKit& kit, const std::string& path, const VendorLogOptions& options) {
+  for (const KitLineParser parser : kit.parsers) {
+    VendorRows rows(path, options);
+    KitLineReader reader(rows, options, parser);
+    const auto row = [&reader](std::string_view line, int number) { return reader.line(line, number); };
+    if (auto read = for_each_line(path, row); !read) return fail(read.error());
+    if (reader.lines() == 0) continue;
+    if (reader.garbled() > 0)
+      rows.log.warnings.push_back(
+          fmt::format("{}: {} garbled groups of an anchor are left out", path, reader.garbled()));
+    remove_only_receiver(rows.log);
+    return std::move(rows.log);
+  }
+  return fail({.file = path, .found = kit.missing, .expected = kit.example});
+}
+
+const LineKit* line_kit(std::string_view name) {
+  const auto kit = std::ranges::find(line_kits(), name, &LineKit::name);
+  return kit == line_kits().end() ? nullptr : &*kit;
+}
+
+/// True for the columns of a Marvelmind dashboard's log: whole times, then the hedgehog, its position, and
+/// pairs of the address of a beacon and a distance.
+bool is_marvelmind_line(std::string_view line) {
+  constexpr double kLargestAddress = 255.0;
+  while (line.ends_with(',')) line = without_blanks(line.substr(0, line.size() - 1));
+  const auto fields = fields_at(line, ',');
+  const std::size_t head = fields.size() % 2 == 1 ? 7 : 6;
+  if (fields.size() < head + 4) return false;
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    double value = 0.0;
+    const bool is_address = i == head - 4 || (i >= head && (i - head) % 2 == 0);
+    if (!logged_number(fields[i], value)) return false;
+    if ((is_address || i < head - 4) && value != std::floor(value)) return false;
+    if (is_address && (value < 1.0 || value > kLargestAddress)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 Result<ImportedLog> read_dwm1001_log(const std::string& path, const VendorLogOptions& options) {
-  VendorRows rows(path, options);
-  Dwm1001Reader reader(rows, options);
-  const auto row = [&reader](std::string_view line, int number) { return reader.line(line, number); };
-  if (auto read = for_each_line(path, row); !read) return fail(read.error());
-  if (reader.lines() == 0)
-    return fail(rows.error(0, "no line that a DWM1001 says to les or lec",
-                           "DIST,4,AN0,1151,... or 1151[5.00,8.00,2.25]=6.48 ..."));
-  if (reader.garbled() > 0)
-    rows.log.warnings.push_back(
-        fmt::format("{}: {} garbled groups of an anchor are left out", path, reader.garbled()));
-  return std::move(rows.log);
+  return read_kit_log("dwm1001", path, options);
+}
+
+Result<ImportedLog> read_kit_log(std::string_view kit, const std::string& path,
+                                 const VendorLogOptions& options) {
+  if (const LineKit* lines = line_kit(kit)) return read_lines(*lines, path, options);
+  if (kit == "marvelmind") return read_marvelmind_log(path, options);
+  if (kit == "linktrack") return read_linktrack_log(path, options);
+  return read_crazyflie_log(path, options);
+}
+
+std::string kit_of(const std::string& path) {
+  constexpr std::size_t kLines = 200, kLeastMarvelmind = 2;
+  if (is_linktrack_log(path)) return "linktrack";
+  const auto decoded = DecodedText::open(path);
+  if (!decoded) return "";
+  std::string_view text = decoded->text();
+  std::size_t marvelmind = 0, others = 0;
+  for (std::size_t i = 0; i < kLines && !text.empty(); ++i) {
+    const std::string_view line = without_blanks(take_line(text));
+    if (line.empty()) continue;
+    if (line.find("ranging.distance") != std::string_view::npos ||
+        line.find("ranging.state") != std::string_view::npos)
+      return "crazyflie";
+    for (const LineKit& kit : line_kits())
+      for (const KitLineParser parser : kit.parsers)
+        if (const auto read = parser(line); read && !read->ranges.empty()) return std::string(kit.name);
+    ++(is_marvelmind_line(line) ? marvelmind : others);
+  }
+  return others == 0 && marvelmind >= kLeastMarvelmind ? "marvelmind" : "";
 }
 
 }  // namespace octant::io

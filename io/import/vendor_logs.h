@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "io/import/imported_log.h"
@@ -12,11 +13,6 @@
 // Logs of the kits of some manufacturers. Distances are in metres, and beacons have the names that the kit
 // uses.
 namespace octant::io {
-
-struct VendorLogOptions {
-  std::vector<std::string> ignore{};  ///< beacons whose rows are left out, such as those of a neighbour
-  std::optional<double> period_s{};   ///< DWM1001: time between lines without a time
-};
 
 /// Marvelmind's dashboard, CSV without a header (its operating manual, "CSV format"): UNIX time [ms] (older
 /// dashboards leave it out), time since the record before [ms], time since the dashboard's start [ms],
@@ -39,5 +35,13 @@ struct VendorLogOptions {
 /// and no period; no line of the two kinds.
 [[nodiscard]] Result<ImportedLog> read_dwm1001_log(const std::string& path,
                                                    const VendorLogOptions& options = {});
+
+/// Reads the log of a kit: marvelmind, crazyflie, dwm1001, trek1000, makerfabs, pozyx or linktrack. Kits of
+/// the last four: io/import/kit_lines.h and linktrack.h. Tags are receivers, named where there are several.
+[[nodiscard]] Result<ImportedLog> read_kit_log(std::string_view kit, const std::string& path,
+                                               const VendorLogOptions& options = {});
+
+/// The kit whose log a file seems to be, by its content; empty if it is another file.
+[[nodiscard]] std::string kit_of(const std::string& path);
 
 }  // namespace octant::io

@@ -23,7 +23,7 @@ struct Unit {
 constexpr std::string_view kCounts = "counts";          // of a clock that the name does not state
 constexpr double kRadioTick_s = 1.0 / (128 * 499.2e6);  // of the counters of UWB radios (DW1000, DW3000)
 
-constexpr Unit kUnits[] = {
+constexpr Unit kColumnUnits[] = {
     {"s", "s", {1.0}},
     {"sec", "s", {1.0}},
     {"secs", "s", {1.0}},
@@ -90,7 +90,7 @@ constexpr Unit kUnits[] = {
 
 const Unit* unit_named(std::string_view text) {
   const std::string name = lower_case(text);
-  for (const Unit& unit : kUnits)
+  for (const Unit& unit : kColumnUnits)
     if (unit.name == name) return &unit;
   return nullptr;
 }
@@ -138,7 +138,7 @@ std::string_view without_origin(std::string_view name) {
 
 std::string names_of_units(std::string_view quantity) {
   std::vector<std::string> names;
-  for (const Unit& unit : kUnits)
+  for (const Unit& unit : kColumnUnits)
     if (unit.quantity == quantity) names.emplace_back(unit.name);
   return listed(names, 32);
 }

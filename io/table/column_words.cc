@@ -62,7 +62,7 @@ struct Word {
 
 enum class Kind { kNone, kLower, kUpper, kDigit };
 
-Kind kind_of(char c) {
+Kind letter_kind(char c) {
   const auto byte = static_cast<unsigned char>(c);
   if (std::isdigit(byte) != 0) return Kind::kDigit;
   if (std::isupper(byte) != 0) return Kind::kUpper;
@@ -72,14 +72,14 @@ Kind kind_of(char c) {
 std::vector<Word> words_of(std::string_view name) {
   std::vector<Word> words;
   for (std::size_t i = 0; i < name.size();) {
-    const Kind first = kind_of(name[i]);
+    const Kind first = letter_kind(name[i]);
     std::size_t end = i + 1;
     if (first == Kind::kNone) {
       i = end;
       continue;
     }
     for (; end < name.size(); ++end) {
-      const Kind before = kind_of(name[end - 1]), now = kind_of(name[end]);
+      const Kind before = letter_kind(name[end - 1]), now = letter_kind(name[end]);
       if (now != before && !(before == Kind::kUpper && now == Kind::kLower)) break;
     }
     words.push_back({lower_case(name.substr(i, end - i)), i, end});
@@ -107,7 +107,7 @@ void join_pairs(std::vector<Word>& words) {
 }
 
 /// The name of a beacon that is left without the words of the measurement.
-std::string id_of(std::string_view name, const std::vector<Word>& words) {
+std::string beacon_in_name(std::string_view name, const std::vector<Word>& words) {
   std::size_t first = 0, last = words.size();
   const auto strange = [](const Word& word) {
     return is_in(kDistanceWords, word.text) || is_in(kTofWords, word.text) || is_in(kAroundWords, word.text);
@@ -124,7 +124,7 @@ bool is_name_of_beacon(std::string_view name, const std::vector<Word>& words) {
                       std::ranges::all_of(name, [](unsigned char c) { return std::isxdigit(c) != 0; }) &&
                       std::ranges::any_of(name, [](unsigned char c) { return std::isdigit(c) != 0; });
   if (digits && name.size() <= 16 && (words.size() == 1 || name.size() >= 4)) return true;
-  const auto numbered = [&](std::size_t i) { return kind_of(name[words[i].begin]) == Kind::kDigit; };
+  const auto numbered = [&](std::size_t i) { return letter_kind(name[words[i].begin]) == Kind::kDigit; };
   if (words.size() == 4 && (words[0].text == "t" || words[0].text == "tag") && numbered(1) && numbered(3))
     return is_in(kBeaconWords, words[2].text) || is_in(kLetterWords, words[2].text);
   if (name.starts_with("0x") || name.starts_with("0X")) return true;
@@ -147,8 +147,8 @@ NamedColumn meaning_of(std::string_view full_name) {
     // ROS writes the time of a message and of its header: "field.header.stamp", "field.header.seq".
     return {any(kTimeWords) && !any(kDistanceWords) ? ColumnRole::kTime : ColumnRole::kUnknown, ""};
   }
-  if (any(kTofWords)) return {ColumnRole::kTof, id_of(name, words)};
-  if (any(kDistanceWords)) return {ColumnRole::kDistance, id_of(name, words)};
+  if (any(kTofWords)) return {ColumnRole::kTof, beacon_in_name(name, words)};
+  if (any(kDistanceWords)) return {ColumnRole::kDistance, beacon_in_name(name, words)};
   if (is_name_of_beacon(name, words)) return {ColumnRole::kBeaconName, std::string(name)};
   if (words.size() > 1) std::erase_if(words, [](const Word& word) { return word.text == "t"; });
   if (any(kTimeWords)) return {ColumnRole::kTime, ""};

@@ -16,9 +16,11 @@ namespace {
 
 constexpr std::string_view kNarrowBlank = "\xE2\x80\xAF", kFixedBlank = "\xC2\xA0";  // no-break spaces
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_decimal_digit(char c) { return c >= '0' && c <= '9'; }
 
-bool are_digits(std::string_view text) { return !text.empty() && std::ranges::all_of(text, is_digit); }
+bool are_digits(std::string_view text) {
+  return !text.empty() && std::ranges::all_of(text, is_decimal_digit);
+}
 
 /// Removes the separators of thousands from a whole number: groups of three digits after the first one.
 bool remove_thousands(std::string& whole, std::string_view separator) {
@@ -66,7 +68,7 @@ bool cell_number(std::string_view text, DecimalMark mark, double& value) {
   const std::size_t at = position_of_mark(text, mark);
   whole = text.substr(0, at);
   const std::string_view decimals = at == std::string_view::npos ? "" : text.substr(at + 1);
-  if (!decimals.empty() && !is_digit(decimals.front())) return false;
+  if (!decimals.empty() && !is_decimal_digit(decimals.front())) return false;
   for (const std::string_view separator :
        {std::string_view(","), std::string_view("."), std::string_view(" "), std::string_view("'"),
         kFixedBlank, kNarrowBlank})
@@ -103,12 +105,13 @@ DecimalMark decimal_mark(const std::vector<std::vector<std::string>>& rows) {
 }
 
 bool is_no_value(std::string_view cell) {
-  static constexpr std::string_view kWords[] = {
-      "",        "-",       "--",       "---",     "?",      "nan",    "-nan", "nan(ind)", "-nan(ind)",
-      "na",      "n/a",     "#n/a",     "#na",     "#nv",    "nil",    "null", "none",     "inf",
-      "-inf",    "+inf",    "infinity", "ovf",     "fail",   "err",    "lost", "none",     "void",
-      "timeout", "invalid", "1.#qnan",  "-1.#ind", "1.#inf", "-1.#inf"};
-  return cell.size() <= 9 && std::ranges::find(kWords, lower_case(cell)) != std::end(kWords);
+  static constexpr std::string_view kNoValueWords[] = {
+      "",       "-",    "--",      "---",     "?",        "nan",          "-nan",    "nan(ind)", "-nan(ind)",
+      "na",     "n/a",  "#n/a",    "#na",     "#nv",      "n.v.",         "k.a.",    "nil",      "null",
+      "none",   "inf",  "-inf",    "+inf",    "infinity", "ovf",          "oor",     "fail",     "err",
+      "lost",   "void", "timeout", "invalid", "no data",  "out of range", "1.#qnan", "-1.#ind",  "1.#inf",
+      "-1.#inf"};
+  return cell.size() <= 12 && std::ranges::find(kNoValueWords, lower_case(cell)) != std::end(kNoValueWords);
 }
 
 bool is_numeric(std::string_view cell, DecimalMark mark) {

@@ -127,8 +127,9 @@ class ColumnFinder {
   /// to.
   void find_no_values() {
     static constexpr double kUsual[] = {0.0, -1.0, -9.0, -99.0, -999.0, -9999.0};
-    static constexpr double kLarge[] = {999.0,   9999.0,  99999.0,    999999.0,     8190.0,      8191.0,
-                                        65534.0, 65535.0, 16777215.0, 2147483647.0, 4294967295.0};
+    static constexpr double kLargeNumbers[] = {999.0,      9999.0,       99999.0,     999999.0,
+                                               8190.0,     8191.0,       65534.0,     65535.0,
+                                               16777215.0, 2147483647.0, 4294967295.0};
     constexpr double kAbove = 3.0;  // times the largest measurement
     if (mapping_.no_value.size() == 1 && mapping_.no_value.front() == "none") return;
     for (const std::string& word : mapping_.no_value) {
@@ -148,10 +149,10 @@ class ColumnFinder {
         if (!column.is_value() || column.cell >= row.size() ||
             !cell_number(row[column.cell], layout_.decimal, value))
           continue;
-        if (std::ranges::find(kLarge, value) == std::end(kLarge) && std::isfinite(value))
+        if (std::ranges::find(kLargeNumbers, value) == std::end(kLargeNumbers) && std::isfinite(value))
           largest = std::max(largest, value);
       }
-    for (const double value : kLarge)
+    for (const double value : kLargeNumbers)
       if (value > kAbove * largest) out_.no_values.push_back(value);
   }
 

@@ -76,7 +76,7 @@ class ColumnGuess {
   }
 
   Result<TableMapping> guess() {
-    const bool headless = layout_.header_line == 0;
+    const bool headless = !has_names();
     const bool timed = find_time() || mapping_.period_s.has_value();
     if (!timed) return refuse("the time of each row");
     if (!(headless ? find_values_by_content() : find_values_by_name()))
@@ -114,6 +114,16 @@ class ColumnGuess {
                               "--format, see octant convert --help"});
   }
 
+  /// False for names that programs give to columns without a name: Var1, Column2, V3, Spalte4.
+  [[nodiscard]] bool has_names() const {
+    if (layout_.header_line == 0) return false;
+    return !std::ranges::all_of(layout_.names, [](const std::string& name) {
+      const std::string word = lower_case(name.substr(0, name.find_last_not_of("0123456789 _") + 1));
+      return word.size() < name.size() &&
+             (word == "var" || word == "column" || word == "col" || word == "v" || word == "x" ||
+              word == "field" || word == "spalte" || word == "feld" || word == "c");
+    });
+  }
   /// The name of a column, or its number where a mapping cannot have the name.
   [[nodiscard]] std::string source_of(const Column& column) const {
     const std::string& name = layout_.names[column.index];
@@ -138,7 +148,7 @@ class ColumnGuess {
     const bool named = column.meaning.role == ColumnRole::kTime ||
                        (column.meaning.role == ColumnRole::kEpoch && column.is_unix_time());
     if (column.is_time()) return named ? 3 : 2;
-    if (layout_.header_line > 0) return !named || !column.is_number() ? 0 : column.is_unix_time() ? 4 : 1;
+    if (has_names()) return !named || !column.is_number() ? 0 : column.is_unix_time() ? 4 : 1;
     // Without a header line: a number that grows.
     const bool grows =
         column.is_number() && column.different.size() >= 2 && 10 * column.decreases <= column.filled;
@@ -192,6 +202,12 @@ class ColumnGuess {
     if (!beacons.empty() && !values.empty() && !one_each) {
       add("beacon", *beacons.front());
       add(target, *values.front());
+      return true;
+    }
+    if (values.size() == 1 && values.front()->meaning.id.empty()) {
+      add(target, *values.front());
+      mapping_.columns.back().beacon = "1";
+      lines_.back() += ", of one beacon that is named 1";
       return true;
     }
     if (!values.empty()) return add_one_each(target, values);

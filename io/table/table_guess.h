@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/: the columns of a table that nobody described.
+// Private to io/: the columns of a table without a description.
 
 #include <string>
 #include <vector>

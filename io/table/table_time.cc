@@ -12,7 +12,7 @@
 namespace octant::io {
 namespace {
 
-constexpr double kDay_s = 86400.0;
+constexpr double kSerialDay_s = 86400.0;
 constexpr double kUnixOfExcel = 25569.0, kUnixOfMatlab = 719529.0;  // serial dates of 1970-01-01
 constexpr double kFirstDay = 10957.0, kLastDay = 47482.0;           // 2000 and 2100, in days since 1970
 constexpr double kLongestSerialStep = 1e-4;                         // days: 8.6 s; in seconds, 10 kHz
@@ -20,7 +20,7 @@ constexpr ClockPeriod kRadioClock{1099511627776.0 / (128 * 499.2e6), "the 40-bit
 constexpr double kLargestCounter = 1099511627776.0;  // 2^40
 constexpr double kUsualStep_s = 0.1;                 // between the measurements of a device
 
-UnitConversion days_since(double unix_day) { return {kDay_s, -kDay_s * unix_day}; }
+UnitConversion days_since(double unix_day) { return {kSerialDay_s, -kSerialDay_s * unix_day}; }
 
 /// Numbers of a column, as far as they are numbers.
 struct Numbers {
@@ -29,6 +29,11 @@ struct Numbers {
   bool whole = true;
   bool all = true;  ///< all cells with content are numbers
 
+  /// True if a number is less than the one before by more than half of a counter's period.
+  [[nodiscard]] bool has_restart(double period) const {
+    return std::ranges::adjacent_find(values, [&](double a, double b) { return a - b > 0.5 * period; }) !=
+           values.end();
+  }
   [[nodiscard]] bool within(double least, double most) const {
     return all && !values.empty() &&
            std::ranges::all_of(values, [&](double v) { return v >= least && v <= most; });
@@ -77,7 +82,7 @@ void read_dates(const std::vector<std::string>& cells, TimeColumn& column) {
       std::ranges::none_of(
           cells, [](const std::string& cell) { return is_date(cell.substr(0, cell.find_first_of(" T"))); });
   if (of_day) {
-    column.clock = ClockPeriod{kDay_s, "the time of day"};
+    column.clock = ClockPeriod{kSerialDay_s, "the time of day"};
     column.words = "times of day";
     return;
   }
@@ -128,13 +133,22 @@ bool has_word(std::string_view name, const char* word) {
 bool is_radio_counter(std::string_view name, const std::vector<std::string>& cells, const Numbers& numbers) {
   const bool hexadecimal = !cells.empty() && lower_case(cells.front()).starts_with("0x");
   return numbers.whole && numbers.within(0.0, kLargestCounter) &&
-         (has_word(name, "tick") || has_word(name, "dw1000") || hexadecimal);
+         (has_word(name, "tick") || has_word(name, "dw1000") || hexadecimal ||
+          numbers.has_restart(kLargestCounter));
 }
 
 bool guess_serial_dates(std::string_view name, const Numbers& numbers, TimeColumn& column) {
   const bool dated = has_word(name, "date") || has_word(name, "datum") || has_word(name, "excel");
   const bool excel = numbers.within(kUnixOfExcel + kFirstDay, kUnixOfExcel + kLastDay);
   const bool matlab = numbers.within(kUnixOfMatlab + kFirstDay, kUnixOfMatlab + kLastDay);
+  if (!numbers.whole && numbers.median_step > 0.0 && numbers.median_step < kLongestSerialStep &&
+      numbers.within(0.0, 1.0)) {
+    column.unit.factor = kSerialDay_s;
+    column.clock = ClockPeriod{kSerialDay_s, "the time of day"};
+    column.words = "times of day as parts of a day";
+    column.guessed = true;
+    return true;
+  }
   if (numbers.whole || !(dated || numbers.median_step < kLongestSerialStep) || !(excel || matlab))
     return false;
   column.unit = days_since(excel ? kUnixOfExcel : kUnixOfMatlab);
@@ -144,12 +158,12 @@ bool guess_serial_dates(std::string_view name, const Numbers& numbers, TimeColum
 }
 
 std::string words_of_factor(double factor) {
-  static constexpr std::pair<double, const char*> kNames[] = {{1.0, "seconds"},
-                                                              {1e-3, "milliseconds"},
-                                                              {1e-6, "microseconds"},
-                                                              {1e-9, "nanoseconds"},
-                                                              {60.0, "minutes"}};
-  for (const auto& [value, name] : kNames)
+  static constexpr std::pair<double, const char*> kUnitNames[] = {{1.0, "seconds"},
+                                                                  {1e-3, "milliseconds"},
+                                                                  {1e-6, "microseconds"},
+                                                                  {1e-9, "nanoseconds"},
+                                                                  {60.0, "minutes"}};
+  for (const auto& [value, name] : kUnitNames)
     if (value == factor) return name;
   return fmt::format("counts of {} s", exact(factor));
 }
@@ -165,7 +179,7 @@ double scaled(double value, double factor) {
 std::optional<double> TimeColumn::seconds(std::string_view cell, DecimalMark decimal) const {
   double value = 0.0;
   if (cell_number(cell, decimal, value)) {
-    if (unit.offset == 0.0) return scaled(value, unit.factor);
+    if (unit.factor != kSerialDay_s) return scaled(value, unit.factor);
     constexpr double kDigits = 1e5;  // ten decimals of a day are 9 us
     return std::round((unit.factor * value + unit.offset) * kDigits) / kDigits;
   }

@@ -78,12 +78,12 @@ class TimeScan {
   }
   /// The number of a month by the first letters of its English or German name.
   bool month_name(int& month) {
-    static constexpr std::array<std::string_view, 16> kNames = {"jan", "feb", "mar", "apr", "may", "jun",
-                                                                "jul", "aug", "sep", "oct", "nov", "dec",
-                                                                "mrz", "mai", "okt", "dez"};
+    static constexpr std::array<std::string_view, 16> kMonthNames = {"jan", "feb", "mar", "apr", "may", "jun",
+                                                                     "jul", "aug", "sep", "oct", "nov", "dec",
+                                                                     "mrz", "mai", "okt", "dez"};
     static constexpr std::array<int, 4> kGerman = {3, 5, 10, 12};
-    for (std::size_t i = 0; i < kNames.size(); ++i) {
-      if (!word(kNames[i])) continue;
+    for (std::size_t i = 0; i < kMonthNames.size(); ++i) {
+      if (!word(kMonthNames[i])) continue;
       month = i < 12 ? static_cast<int>(i) + 1 : kGerman[i - 12];
       return true;
     }

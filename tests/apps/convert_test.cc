@@ -156,5 +156,22 @@ TEST(Convert, ATableIsUnderstoodAndExplained) {
   EXPECT_EQ(slurp((box / "a") + "/tof.csv"), slurp((box / "b") + "/tof.csv"));
 }
 
+TEST(Convert, KitsAndGraphsAreRecognisedByTheirContent) {
+  const TemporaryFolder box;
+  const std::pair<const char*, const char*> logs[] = {
+      {"trek1000", "mc 03 000004ec 000008ee 0000087e 00000000 6cc0 0a 00000bb8 a0:0\n"},
+      {"makerfabs", "1.5 {\"links\":[{\"A\":\"1782\",\"R\":\"1.03\"},{\"A\":\"1783\",\"R\":\"2.03\"}]}\n"},
+      {"pyfg",
+       "VERTEX_SE2 1 A0 0 0 0\nVERTEX_XY L0 3 4\nEDGE_RANGE 1 A0 L0 5 0.01\nEDGE_RANGE 2 A0 L0 5 0.01\n"}};
+  for (const auto& [format, text] : logs) {
+    spit(box / "log", text);
+    const Outcome done = octant({"convert", box / "log", "-o", box / format, "--json"});
+    ASSERT_EQ(done.exit, 0) << done.err;
+    EXPECT_EQ(done.json()["format"], format);
+    EXPECT_EQ(done.json()["arrivals"], 2);
+    EXPECT_EQ(octant({"convert", box / "log", "-o", box / "again", "--format", format}).exit, 0);
+  }
+}
+
 }  // namespace convert_test
 }  // namespace octant::test

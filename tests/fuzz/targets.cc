@@ -19,6 +19,7 @@
 #include "io/history/history.h"
 #include "io/import/foreign_logs.h"
 #include "io/import/plan_import.h"
+#include "io/import/pyfg.h"
 #include "io/import/vendor_logs.h"
 #include "io/run/run_folder.h"
 #include "io/run/run_ids.h"
@@ -267,6 +268,14 @@ void take_dwm1001(std::string_view input) {
   must_become_a_run(io::read_dwm1001_log(written("dwm1001.log", input)));
   must_become_a_run(io::read_dwm1001_log((folder() / "dwm1001.log").string(), {.period_s = 0.1}));
 }
+/// Kits whose logs are lines or frames; a period stands for times that the lines do not have.
+void take_kit(std::string_view input) {
+  const std::string path = written("kit.log", input);
+  (void)io::kit_of(path);
+  for (const char* kit : {"trek1000", "makerfabs", "pozyx", "linktrack"})
+    must_become_a_run(io::read_kit_log(kit, path, {.ignore = {"9"}, .period_s = 0.1}));
+}
+void take_pyfg(std::string_view input) { must_become_a_run(io::read_pyfg(written("graph.pyfg", input))); }
 void take_fixes(std::string_view input) {
   const auto fixes = io::read_fixes(written("fixes.csv", input));
   must_explain(fixes);
@@ -331,6 +340,8 @@ const std::vector<Target>& targets() {
                                           {"fixes", take_fixes},
                                           {"marvelmind", take_marvelmind},
                                           {"crazyflie", take_crazyflie},
+                                          {"kit", take_kit},
+                                          {"pyfg", take_pyfg},
                                           {"dwm1001", take_dwm1001},
                                           {"table", take_table},
                                           {"live", take_live},

@@ -13,6 +13,7 @@
 #include "apps/octant/outputs.h"
 #include "io/bag/bag_log.h"
 #include "io/import/foreign_logs.h"
+#include "io/import/pyfg.h"
 #include "io/import/vendor_logs.h"
 #include "io/run/run_folder.h"
 #include "io/site/site_yaml.h"
@@ -24,8 +25,13 @@
 namespace octant::app {
 namespace {
 
+/// Formats with beacons that have the names of the log.
+constexpr const char* kKits[] = {"marvelmind", "crazyflie", "dwm1001",   "trek1000",
+                                 "makerfabs",  "pozyx",     "linktrack", "pyfg"};
+
 struct ConvertArgs {
-  std::string input, output, format, site, columns, save_columns, topics, save_topics, time_format, decimal;
+  std::string robot, input, output, format, site, columns, save_columns, topics, save_topics, time_format,
+      decimal;
   std::vector<std::string> ignore, where, no_value;
   bool explain = false, no_header = false;
   std::optional<double> speed_mps, period_s;
@@ -180,14 +186,15 @@ int convert_bag(const ConvertArgs& args, Session& session) {
   return finish_import(args, std::move(log), others, "bag", session);
 }
 
-/// Converts the log of a vendor's kit.
-int convert_vendor(const ConvertArgs& args, const std::string& format, Session& session) {
+/// Converts the log of a vendor's kit, or a graph of PyFactorGraph.
+int convert_kit(const ConvertArgs& args, const std::string& format, Session& session) {
   check_no_overwriting({.inputs = {args.input}, .run_outputs = {args.output}});
   const io::VendorLogOptions options{.ignore = args.ignore, .period_s = args.period_s};
-  auto log = format == "marvelmind"  ? io::read_marvelmind_log(args.input, options)
-             : format == "crazyflie" ? io::read_crazyflie_log(args.input, options)
-                                     : io::read_dwm1001_log(args.input, options);
-  return finish_import(args, need(std::move(log)), {}, format, session);
+  auto log = need(format == "pyfg" ? io::read_pyfg(args.input, args.robot)
+                                   : io::read_kit_log(format, args.input, options));
+  std::vector<std::string> understood;
+  if (args.format == "auto") understood.push_back(fmt::format("format: {} (otherwise: --format)", format));
+  return finish_import(args, std::move(log), {}, format, session, understood);
 }
 
 /// Detects the format of a log if --format is not given.
@@ -196,7 +203,10 @@ std::string format_of(const ConvertArgs& args) {
   if (!args.columns.empty()) return "table";
   if (!args.topics.empty() || io::is_bag(args.input)) return "bag";
   if (!args.site.empty()) return "counters";
-  return io::is_carmen_log(args.input) ? "carmen" : "table";
+  if (io::is_carmen_log(args.input)) return "carmen";
+  if (io::is_pyfg(args.input)) return "pyfg";
+  const std::string kit = io::kit_of(args.input);
+  return kit.empty() ? "table" : kit;
 }
 
 int run(const ConvertArgs& args, Session& session) {
@@ -205,8 +215,7 @@ int run(const ConvertArgs& args, Session& session) {
   const std::string format = format_of(args);
   if (format == "table") return convert_table(args, session);
   if (format == "bag") return convert_bag(args, session);
-  if (format == "marvelmind" || format == "crazyflie" || format == "dwm1001")
-    return convert_vendor(args, format, session);
+  if (std::ranges::count(kKits, format) > 0) return convert_kit(args, format, session);
   if (format != "carmen" && args.site.empty())
     fail_usage(fmt::format("--format {} needs --site", format), "the site file names beacons and receivers");
   check_no_overwriting({.inputs = {args.input, args.site}, .run_outputs = {args.output}});
@@ -287,8 +296,10 @@ void add_mapping_options(CLI::App& command, ConvertArgs& args) {
           "Bags and kits: the speed that the device made distances with; they become times of flight, "
           "which media whose speed is not constant need [m/s]")
       ->check(CLI::PositiveNumber);
-  command.add_option("--period-s", args.period_s, "Tables and dwm1001: between lines without a time [s]")
+  command.add_option("--period-s", args.period_s, "Tables and kits: between lines without a time [s]")
       ->check(CLI::PositiveNumber);
+  add_option(command, "--robot", args.robot, "LETTER",
+             "pyfg: the robot to convert; without it, that of the first pose");
   add_option(command, "--ignore", args.ignore, "IDS",
              "Tables, bags and kits: beacons to leave out, a neighbour's; their rows are counted")
       ->delimiter(',');
@@ -318,6 +329,12 @@ void add_counter_options(CLI::App& command, ConvertArgs& args) {
       ->capture_default_str();
 }
 
+std::vector<std::string> formats() {
+  std::vector<std::string> all = {"auto", "table", "bag", "carmen", "counters", "pulses"};
+  all.insert(all.end(), std::begin(kKits), std::end(kKits));
+  return all;
+}
+
 void add_convert(CLI::App& app, CommonOptions& common, Action& action) {
   const auto [command, args] = add_command<ConvertArgs>(
       app, common, action, "convert", "Make a run folder of another program's or device's log",
@@ -329,12 +346,13 @@ void add_convert(CLI::App& app, CommonOptions& common, Action& action) {
       "beacon, counts; epoch, receiver); pulse log (time_s, channel, duration_s, amplitude_v)");
   add_option(*command, "-o,--output", args->output, "RUN", "Run folder to write");
   // Set afterwards, because the description names the default.
-  add_option(*command, "--format", args->format, "FORMAT",
-             "auto, table, bag, carmen, counters, pulses, marvelmind (the dashboard's CSV), crazyflie (the "
-             "client's CSV of two-way ranging) or dwm1001 (les or lec lines); auto: by content, "
-             "counters where --site is given")
-      ->check(CLI::IsMember(
-          {"auto", "table", "bag", "carmen", "counters", "pulses", "marvelmind", "crazyflie", "dwm1001"}));
+  add_option(
+      *command, "--format", args->format, "FORMAT",
+      "auto, table, bag, carmen, counters, pulses, pyfg (graphs of PyFactorGraph), or the log of a kit: "
+      "marvelmind (the dashboard's CSV), crazyflie (the client's CSV of two-way ranging), dwm1001 (les or "
+      "lec lines), trek1000 (mc or mr lines), makerfabs (JSON or AT+RANGE lines), pozyx (lines of ms, mm, "
+      "dBm) or linktrack (frames); auto: by content, counters where --site is given")
+      ->check(CLI::IsMember(formats()));
   args->format = "auto";
   add_mapping_options(*command, *args);
   add_counter_options(*command, *args);
