@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "calib/readings/explain.h"
+#include "calib/solution/range_review.h"
 #include "calib/statements/common_errors.h"
 #include "calib/statements/hints.h"
 #include "calib/streamed.h"
@@ -45,6 +46,20 @@ Solution solve_with_rays(Problem& problem, const SolveOptions& options) {
   return solution;
 }
 
+/// Adjusts a problem. Ranges between beacons are reviewed first against an adjustment without them.
+Solution solve_with_ranges(Problem& problem, const SolveOptions& options) {
+  if (problem.beacon_ranges.pairs.empty()) return solve_with_rays(problem, options);
+  BeaconRanges ranges = std::exchange(problem.beacon_ranges, {});
+  const Solution without = solve(problem, options);
+  problem.beacon_ranges = std::move(ranges);
+  std::vector<std::string> words;
+  if (without.status == SolveStatus::kConverged)
+    words = review_ranges(problem, without.state, without.covariance);
+  Solution solution = solve_with_rays(problem, options);
+  solution.warnings.insert(solution.warnings.end(), words.begin(), words.end());
+  return solution;
+}
+
 /// If measured poses have a constant lag and the solution has no contradiction, adjusts again with corrected
 /// times. A warning reports the lag.
 /// @param stated  the site as the caller stated it
@@ -61,8 +76,9 @@ Result<void> correct_lags(Site stated, const SolveOptions& options, Calibration&
   }
   auto problem = make_problem(std::move(stated), std::move(runs), options.threads);
   if (!problem) return fail(problem.error());
+  problem->beacon_ranges = std::move(calibration.problem.beacon_ranges);
   calibration.problem = std::move(*problem);
-  calibration.solution = solve_with_rays(calibration.problem, options);
+  calibration.solution = solve_with_ranges(calibration.problem, options);
   auto& warnings = calibration.solution.warnings;
   warnings.insert(warnings.end(), words.begin(), words.end());
   return {};
@@ -91,8 +107,9 @@ Result<Calibration> calibrate(Site site, std::vector<MeasurementLog> runs,
   add(log_hints(site, runs), options, calibration);
   auto problem = make_problem(site, std::move(runs), options.solve.threads);
   if (!problem) return fail(problem.error());
+  problem->beacon_ranges = beacon_ranges(problem->site, options.beacon_flights, problem->runs);
   calibration.problem = std::move(*problem);
-  calibration.solution = solve_with_rays(calibration.problem, options.solve);
+  calibration.solution = solve_with_ranges(calibration.problem, options.solve);
   if (auto ok = correct_lags(std::move(site), options.solve, calibration); !ok) return fail(ok.error());
   std::vector<const MeasurementLog*> logs;
   for (const MeasurementLog& run : calibration.problem.runs) logs.push_back(&run);

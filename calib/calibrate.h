@@ -47,6 +47,7 @@ struct CalibrationOptions {
   SolveOptions solve;
   Provenance provenance;                                ///< without the recordings
   std::size_t memory_bytes = std::size_t{1500} << 20U;  ///< bound for a streamed log
+  std::vector<BeaconFlight> beacon_flights = {};        ///< ranges between beacons; not for streamed logs
   /// Called immediately for each finding, so that findings are available if an error ends the calibration.
   std::function<void(const Finding&)> on_finding;
 };

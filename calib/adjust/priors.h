@@ -24,8 +24,16 @@ struct PriorRow {
 [[nodiscard]] PriorRow distance_row(const ControlDistance& distance, const ParameterLayout& layout,
                                     const SharedState& state);
 
-/// A row for the prior of each parameter (zeros without a prior), then rows for taped distances and for
-/// priors of several parameters together. The columns of each row do not depend on x.
+/// Ranges between beacons: computed less observed times of flight [s].
+[[nodiscard]] Eigen::VectorXd range_residuals_s(const Problem& problem, const SharedState& state);
+
+/// Derivatives of the computed time of flight by shared parameters, in SI units.
+[[nodiscard]] std::vector<std::pair<ParameterId, double>> range_derivatives(const Problem& problem,
+                                                                            const SharedState& state,
+                                                                            const BeaconRange& range);
+
+/// A row for the prior of each parameter (zeros without a prior), then rows for taped distances, for ranges
+/// between beacons and for priors of several parameters together. The columns of each row do not depend on x.
 [[nodiscard]] std::vector<PriorRow> prior_rows(const Problem& problem, const ParameterLayout& layout,
                                                const Eigen::VectorXd& x);
 

@@ -178,7 +178,8 @@ CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayou
   for (const Parameter& p : layout.parameters)
     counts.observations += std::isfinite(p.prior_sigma) ? 1.0 : 0.0;
   if (layout.joint_prior) counts.observations += static_cast<double>(layout.joint_prior->mean.size());
-  counts.observations += static_cast<double>(problem.site.distances.size());
+  counts.observations +=
+      static_cast<double>(problem.site.distances.size() + problem.beacon_ranges.pairs.size());
   s.arrivals = counts.used;
   s.rejected = counts.rejected;
   s.unknowns = static_cast<std::size_t>(layout.size()) + counts.states;

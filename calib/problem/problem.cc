@@ -126,6 +126,7 @@ std::vector<double> hold_levers(Site& site, const std::vector<Trajectory>& traje
 Problem without_recordings(const Problem& problem) {
   Problem out;
   out.site = problem.site;
+  out.beacon_ranges = problem.beacon_ranges;
   out.runs.resize(problem.runs.size());
   out.typical_range_m = problem.typical_range_m;
   return out;

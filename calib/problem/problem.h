@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "models/contradiction.h"
+#include "models/network/beacon_ranges.h"
 #include "models/run.h"
 #include "models/site.h"
 #include "models/support/result.h"
@@ -18,6 +19,7 @@ namespace octant::calib {
 struct Problem {
   Site site;
   std::vector<MeasurementLog> runs;
+  BeaconRanges beacon_ranges;
   std::vector<Trajectory> trajectories;  ///< one for each run and vehicle that has arrivals or bearings
   std::vector<std::string> warnings;
   std::vector<Contradiction> contradictions;  ///< contradictions visible before an adjustment

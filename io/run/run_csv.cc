@@ -3,11 +3,16 @@
 // bearings.csv, odometry.csv and scans.csv.
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <span>
 
 #include <fmt/format.h>
 
+#include "io/run/run_folder.h"
+#include "io/text/atomic_file.h"
+#include "io/text/bounds.h"
+#include "io/text/open_file.h"
 #include "io/tof/order_watch.h"
 #include "io/tof/run_parts.h"
 #include "models/physics/unit_rotation.h"
@@ -87,6 +92,47 @@ Result<void> parse_bearings(std::string_view text, const std::string& file, cons
     log.warnings.push_back(fmt::format("{}: bearing_rad is not a number; {} row{} left out", first, skipped,
                                        skipped == 1 ? "" : "s"));
   return finish(csv, {&order, 1}, log);
+}
+
+Result<BeaconFlightLog> read_beacon_flights(const std::string& folder, const NameTable& names,
+                                            std::size_t run) {
+  BeaconFlightLog log;
+  const std::string path = (std::filesystem::path(folder) / "beacon_tof.csv").string();
+  std::error_code status;
+  if (!std::filesystem::exists(path, status)) return log;
+  const auto map = MappedFile::open(path);
+  if (!map) return fail(map.error());
+  if (auto ok = check_lines(map->text(), path); !ok) return fail(ok.error());
+  log.file = path;
+  log.sha256 = sha256_hex(map->text());
+  const NameLookup lookup(names);
+  CsvReader csv(map->text(), path);
+  const int time = csv.require("time_s"), from = csv.require("beacon_from"), to = csv.require("beacon_to"),
+            tof = csv.require("tof_s");
+  for (const char* optional : {"level_dbm", "temperature_degC"}) static_cast<void>(csv.find(optional));
+  std::size_t skipped = 0;
+  std::string first;
+  while (csv.next_row()) {
+    BeaconFlight row;
+    row.run = run;
+    if (!csv.number(time, row.time_s) || !lookup.beacon(csv, from, row.from) ||
+        !lookup.beacon(csv, to, row.to) || !csv.number_or_nan(tof, row.tof_s))
+      break;
+    if (row.from == row.to) {
+      csv.fail_at(to, "a beacon that ranges to itself", "two beacons");
+      break;
+    }
+    if (std::isfinite(row.tof_s) && row.tof_s > 0.0)
+      log.flights.push_back(row);
+    else if (skipped++ == 0)
+      first = csv.place();
+  }
+  if (csv.error()) return fail(*csv.error());
+  if (skipped > 0)
+    log.warnings.push_back(fmt::format("{}: tof_s is not a positive number; {} row{} left out", first,
+                                       skipped, skipped == 1 ? "" : "s"));
+  if (const auto warning = csv.unknown_columns()) log.warnings.push_back(*warning);
+  return log;
 }
 
 namespace {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "io/run/read_run_options.h"
+#include "models/network/beacon_ranges.h"
 #include "models/run.h"
 #include "models/site.h"
 #include "models/support/result.h"
@@ -17,6 +18,16 @@ namespace octant::io {
 /// MeasurementLog::rejected, with one warning that names the first line of each kind.
 [[nodiscard]] Result<MeasurementLog> read_run(const std::string& folder, const NameTable& names,
                                               const Timing& timing, const ReadRunOptions& options = {});
+
+/// Ranges between beacons (beacon_tof.csv) of a run folder; empty if there is no such file.
+struct BeaconFlightLog {
+  std::vector<BeaconFlight> flights;
+  std::vector<std::string> warnings;
+  std::string file, sha256;  ///< empty without a file
+};
+/// @param run  number of the recording, for BeaconFlight::run
+[[nodiscard]] Result<BeaconFlightLog> read_beacon_flights(const std::string& folder, const NameTable& names,
+                                                          std::size_t run);
 
 /// Accuracy of a vehicle's odometry without a recording: the block `odometry` of a run.yaml, or of the one in
 /// a run folder. Error: the block is missing.

@@ -167,11 +167,13 @@ Json weak_json(const std::vector<calib::WeakDirection>& weak) {
 }
 
 Calibration calibrate_runs(Site site, std::vector<MeasurementLog> runs, const std::string& site_sha256,
-                           const CalibrateOptions& how, Session& session) {
-  return calibrated(provenance(site.path, site_sha256, session), how, session,
-                    [&](const calib::CalibrationOptions& options) {
-                      return calib::calibrate(std::move(site), std::move(runs), options);
-                    });
+                           const CalibrateOptions& how, Session& session, BeaconFlights between_beacons) {
+  calib::Provenance from = provenance(site.path, site_sha256, session);
+  from.inputs.insert(from.inputs.end(), between_beacons.inputs.begin(), between_beacons.inputs.end());
+  return calibrated(std::move(from), how, session, [&](calib::CalibrationOptions options) {
+    options.beacon_flights = std::move(between_beacons.flights);
+    return calib::calibrate(std::move(site), std::move(runs), options);
+  });
 }
 
 Calibration calibrate_files(const std::string& site_path, const std::vector<std::string>& run_paths,
@@ -179,12 +181,16 @@ Calibration calibrate_files(const std::string& site_path, const std::vector<std:
   Site site = need(io::read_site(site_path));
   const std::string sha256 = io::sha256_hex(need(io::read_document(site_path)));
   session.warn(site.warnings);
-  if (const auto source = too_long(site, run_paths, how.memory_mb, session))
+  BeaconFlights between_beacons = read_beacon_flights(run_paths, names_of(site), session);
+  if (const auto source = too_long(site, run_paths, how.memory_mb, session)) {
+    if (!between_beacons.flights.empty())
+      session.warn("beacon_tof.csv is not used for recordings that are read in chunks: raise --memory-mb");
     return calibrated(
         provenance(site_path, sha256, session), how, session,
         [&](const calib::CalibrationOptions& options) { return calib::calibrate(site, *source, options); });
+  }
   std::vector<MeasurementLog> runs = read_runs_at_once(run_paths, site, session);
-  return calibrate_runs(std::move(site), std::move(runs), sha256, how, session);
+  return calibrate_runs(std::move(site), std::move(runs), sha256, how, session, std::move(between_beacons));
 }
 
 std::vector<survey::LeftOutNote> left_out_by_reason(const Calibration& calibration) {

@@ -55,6 +55,18 @@ std::vector<MeasurementLog> read_runs(const std::vector<std::string>& folders, c
   return runs;
 }
 
+BeaconFlights read_beacon_flights(const std::vector<std::string>& folders, const NameTable& names,
+                                  Session& session) {
+  BeaconFlights all;
+  for (std::size_t run = 0; run < folders.size(); ++run) {
+    const io::BeaconFlightLog log = need(io::read_beacon_flights(folders[run], names, run));
+    session.warn(log.warnings);
+    all.flights.insert(all.flights.end(), log.flights.begin(), log.flights.end());
+    if (!log.file.empty()) all.inputs.push_back({log.file, log.sha256});
+  }
+  return all;
+}
+
 void Localization::add_run(std::vector<Fix> fixes_of_run) {
   if (fixes.empty()) {  // for a single long drive they need most of the memory
     fixes = std::move(fixes_of_run);

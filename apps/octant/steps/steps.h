@@ -52,6 +52,14 @@ template <class SiteOrDeployment>
   return read_runs(folders, names_of(of), of.timing, options, session);
 }
 
+/// Ranges between beacons of several recordings; warnings go to the session.
+struct BeaconFlights {
+  std::vector<BeaconFlight> flights;
+  std::vector<InputDigest> inputs;
+};
+[[nodiscard]] BeaconFlights read_beacon_flights(const std::vector<std::string>& folders,
+                                                const NameTable& names, Session& session);
+
 /// Simulates the world of a scenario; its true deployment records the program and command.
 [[nodiscard]] World simulated(const Scenario& scenario, const Session& session);
 /// Writes a simulated world as a complete folder, or not at all: site.yaml, run/, heldout/,
@@ -79,7 +87,7 @@ struct CalibrateOptions {
 /// @param site_sha256  of the site's text
 [[nodiscard]] Calibration calibrate_runs(Site site, std::vector<MeasurementLog> runs,
                                          const std::string& site_sha256, const CalibrateOptions& how,
-                                         Session& session);
+                                         Session& session, BeaconFlights between_beacons = {});
 /// Solver options with the session's threads, progress output and interruption.
 /// @param reporter  must outlive the options  @param share  share of the whole progress that the adjustment
 /// represents
