@@ -23,11 +23,13 @@ bool has_two_ends(SurveyKind kind) { return kind < SurveyKind::kX || kind > Surv
 bool has_valid_indices(const Network& n, const SurveyObservation& o) {
   const std::size_t points = n.points.size();
   const auto count = [](int size) { return static_cast<std::size_t>(std::max(size, 0)); };
+  if (o.kind == SurveyKind::kConstant) return is_index(o.constant, count(n.constants));
   return is_index(o.from, points) && (!has_two_ends(o.kind) || is_index(o.to, points)) &&
          (o.kind != SurveyKind::kAngle || is_index(o.second, points)) &&
          (o.kind != SurveyKind::kDirection || is_index(o.set, count(n.sets))) &&
          (o.scale < 0 || is_index(o.scale, count(n.scales))) &&
-         (o.constant < 0 || is_index(o.constant, count(n.constants)));
+         (o.constant < 0 || is_index(o.constant, count(n.constants))) &&
+         (o.target_constant < 0 || is_index(o.target_constant, count(n.constants)));
 }
 
 /// True if two points are the same, or coincide in the plane and the observation is undefined there.
@@ -47,7 +49,7 @@ Result<void> check_observation(const Network& n, const SurveyObservation& o) {
   if (!std::isfinite(o.value)) return refuse(o.line, "an observed value that is not finite", "a number");
   if (!(o.sigma > 0.0) || !std::isfinite(o.sigma))
     return refuse(o.line, "a standard deviation that is not positive", "a positive number");
-  if (!has_two_ends(o.kind)) return {};
+  if (o.from < 0 || !has_two_ends(o.kind)) return {};
   const auto name = [&](int p) { return n.points[static_cast<std::size_t>(p)].id; };
   if (coincide(n, o, o.from, o.to))
     return refuse(o.line, "an observation between coincident points " + name(o.from) + " and " + name(o.to),

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <map>
 #include <set>
 #include <utility>
@@ -55,7 +56,22 @@ void exclude_single_targets(const Network& network, std::vector<bool>& keep) {
       keep[i] = keep[i] && targets[o.set].size() > 1;
 }
 
-/// Removes observations; sets, scales and constants without observations are removed, the others renumbered.
+/// Renumbers the unknowns that members of the observations refer to, without those that no one refers to.
+void renumber(std::vector<SurveyObservation>& observations,
+              std::initializer_list<int SurveyObservation::*> members, int& count) {
+  std::map<int, int> renumbered;
+  for (const SurveyObservation& o : observations)
+    for (const auto member : members)
+      if (o.*member >= 0) renumbered.emplace(o.*member, 0);
+  count = 0;
+  for (auto& [old, number] : renumbered) number = count++;
+  for (SurveyObservation& o : observations)
+    for (const auto member : members)
+      if (o.*member >= 0) o.*member = renumbered.at(o.*member);
+}
+
+}  // namespace
+
 void keep_observations(Network& network, const std::vector<bool>& keep) {
   std::vector<SurveyObservation> kept;
   std::vector<int> index(keep.size(), -1);
@@ -64,18 +80,9 @@ void keep_observations(Network& network, const std::vector<bool>& keep) {
     index[i] = static_cast<int>(kept.size());
     kept.push_back(network.observations[i]);
   }
-  for (const auto& [number, count] : {std::pair{&SurveyObservation::set, &Network::sets},
-                                      {&SurveyObservation::scale, &Network::scales},
-                                      {&SurveyObservation::constant, &Network::constants}}) {
-    std::set<int> used;
-    for (const SurveyObservation& o : kept)
-      if (o.*number >= 0) used.insert(o.*number);
-    std::map<int, int> renumbered;
-    for (const int old : used) renumbered.emplace(old, static_cast<int>(renumbered.size()));
-    for (SurveyObservation& o : kept)
-      if (o.*number >= 0) o.*number = renumbered.at(o.*number);
-    network.*count = static_cast<int>(renumbered.size());
-  }
+  renumber(kept, {&SurveyObservation::set}, network.sets);
+  renumber(kept, {&SurveyObservation::scale}, network.scales);
+  renumber(kept, {&SurveyObservation::constant, &SurveyObservation::target_constant}, network.constants);
   std::vector<ObservationCovariance> blocks;
   for (const ObservationCovariance& block : network.covariances) {
     std::vector<Eigen::Index> rows;
@@ -88,8 +95,6 @@ void keep_observations(Network& network, const std::vector<bool>& keep) {
   network.covariances = std::move(blocks);
   network.observations = std::move(kept);
 }
-
-}  // namespace
 
 std::size_t remove_unusable(Network& network, bool need_coordinates) {
   std::vector<bool> keep;

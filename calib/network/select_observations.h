@@ -8,6 +8,10 @@
 
 namespace octant::calib {
 
+/// Removes observations with their rows in covariance matrices. Sets, scales and constants without
+/// observations are removed, and the others renumbered.
+void keep_observations(Network& network, const std::vector<bool>& keep);
+
 /// Removes observations that cannot be used, with their rows in covariance matrices, and returns their
 /// number: a point has no role or no known coordinate that the observation depends on, or a set of directions
 /// has a single target. A zenith angle needs positions in the plane that are known, with or without a role.

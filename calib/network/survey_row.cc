@@ -44,19 +44,22 @@ class RowBuilder {
 
   /// Distance of length `length_m`, along the unit vector `direction`, with scale and constant.
   double distance(const SurveyObservation& o, double length_m, const Eigen::Vector3d& direction) {
-    double factor = 1.0, constant = 0.0;
+    double factor = 1.0, constants = 0.0;
     if (o.scale >= 0) {
       const int c = columns_.first_scale + o.scale;
       factor += x_[c];
       row.entries.emplace_back(c, length_m);
     }
-    if (o.constant >= 0) {
-      const int c = columns_.first_constant + o.constant;
-      constant = x_[c];
-      row.entries.emplace_back(c, 1.0);
-    }
+    for (const int number : {o.constant, o.target_constant})
+      if (number >= 0) constants += constant(number);
     by_difference(o, factor * direction);
-    return factor * length_m + constant;
+    return factor * length_m + constants;
+  }
+
+  double constant(int number) {
+    const int c = columns_.first_constant + number;
+    row.entries.emplace_back(c, 1.0);
+    return x_[c];
   }
 
   double orientation(int set) {
@@ -95,6 +98,7 @@ double coordinate_value(RowBuilder& build, const SurveyObservation& o) {
 }
 
 double computed_value(RowBuilder& build, const SurveyObservation& o) {
+  if (o.kind == SurveyKind::kConstant) return build.constant(o.constant);
   if (o.kind >= SurveyKind::kX) return coordinate_value(build, o);
   const Eigen::Vector3d v = build.position_m(o.to) - build.position_m(o.from);
   const Eigen::Vector3d sight = v + Eigen::Vector3d(0.0, 0.0, o.target_height_m - o.instrument_height_m);

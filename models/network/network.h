@@ -43,6 +43,7 @@ enum class SurveyKind {
   kDx,                  ///< [m] coordinate difference, `to` less `from`
   kDy,                  ///< [m] coordinate difference, `to` less `from`
   kDz,                  ///< [m] coordinate difference, `to` less `from`
+  kConstant,            ///< [m] additive constant of distances, as a prior; no points
 };
 
 struct SurveyObservation {
@@ -51,6 +52,7 @@ struct SurveyObservation {
   int line = 0;                         ///< line in the file; 0: not from a file
   int set = -1;                         ///< orientation unknown of a direction
   int scale = -1, constant = -1;        ///< scale and additive constant of a distance; -1: none
+  int target_constant = -1;             ///< additive constant of the device at `to`; -1: none
   double value = 0.0;                   ///< [rad] or [m]
   double sigma = 1.0;                   ///< [rad] or [m]; ignored within a covariance block
   double instrument_height_m = 0.0, target_height_m = 0.0;

@@ -2,9 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // octant adjust: published networks with the results of GNU Gama 2.18.5 (tests/gama-local of its sources),
 // and files that are refused.
+#include <array>
 #include <cmath>
+#include <filesystem>
 #include <string>
+#include <vector>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "tests/apps/process.h"
@@ -155,6 +159,38 @@ TEST_F(AdjustFile, ComputesApproximateCoordinatesInAllOrientationsOfAxes) {
       EXPECT_NEAR(p.at(0).get<double>(), 60.0, 1e-6) << axes << angles;
       EXPECT_NEAR(p.at(1).get<double>(), 80.0, 1e-6) << axes << angles;
     }
+}
+
+/// Beacons at the corners of a hall and in its middle, three of them known, from exact ranges but one.
+TEST(Adjust, FindsBeaconsFromRangesBetweenThemAlone) {
+  const std::vector<std::array<double, 3>> places = {{0, 0, 3},  {20, 0, 3},  {20, 12, 4}, {0, 12, 3},
+                                                     {10, 5, 4}, {10, -1, 3}, {5, 13, 4},  {21, 6, 3}};
+  std::string site =
+                  "octant_site: 1\nname: hall\nmotion: planar\nmedium: {model: constant, speed_mps: 3e8, "
+                  "sigma_mps: 0}\ntiming: {delay_per: none}\nnoise: {tof_sigma_s: 1e-10}\nbeacons:\n",
+              rows = "time_s,beacon_from,beacon_to,tof_s\n";
+  for (std::size_t a = 0; a < places.size(); ++a) {
+    const auto& [x, y, z] = places[a];
+    site += a < 3 ? fmt::format("  - {{id: B{}, position_m: [{}, {}, {}], sigma_m: 0}}\n", a, x, y, z)
+                  : fmt::format("  - {{id: B{}, position_m: [null, null, {}], sigma_m: [null, null, 0]}}\n",
+                                a, z);
+    for (std::size_t b = a + 1; b < places.size(); ++b) {
+      const double length_m = std::hypot(x - places[b][0], y - places[b][1], z - places[b][2]);
+      const double echo_m = a == 3 && b == 6 ? 4.0 : 0.001 * std::sin(10.0 * static_cast<double>(a + 7 * b));
+      rows += fmt::format("0,B{},B{},{}\n", a, b, (length_m + echo_m) / 3e8);
+    }
+  }
+  site += "vehicles: [{id: robot, receivers: [{id: r, position_m: [0, 0, 0]}]}]\n";
+  const TemporaryFolder box;
+  std::filesystem::create_directory(box.path() / "run");
+  spit(box / "site.yaml", site);
+  spit(box / "run/beacon_tof.csv", rows);
+  const Outcome o = octant({"adjust", box / "site.yaml", box / "run", "--json"});
+  ASSERT_EQ(o.exit, 0) << o.out;
+  for (std::size_t p = 0; p < places.size(); ++p)
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_NEAR(o.json().at("points").at(p).at("position_m").at(i).get<double>(), places[p][i], 0.005) << p;
+  EXPECT_THAT(o.err, HasSubstr("The slope distance B3 B6 is left out"));
 }
 
 }  // namespace adjust_test

@@ -7,7 +7,10 @@
 
 #include "apps/octant/commands.h"
 #include "apps/octant/outputs.h"
+#include "apps/octant/steps/steps.h"
 #include "apps/octant/text/network_text.h"
+#include "calib/network/range_network.h"
+#include "io/site/site_yaml.h"
 #include "io/text/atomic_file.h"
 
 namespace octant::app {
@@ -15,6 +18,7 @@ namespace {
 
 struct AdjustArgs {
   std::string network, output;
+  std::vector<std::string> runs;
 };
 
 int fail_adjustment(const char* status, Exit exit, std::string message, std::string advice,
@@ -26,30 +30,55 @@ int fail_adjustment(const char* status, Exit exit, std::string message, std::str
                        .advice = std::move(advice)});
 }
 
-int adjust(const AdjustArgs& args, Session& session) {
-  check_outputs({args.network}, {{"-o", args.output}}, session);
-  AdjustedNetwork adjusted{need(io::read_gama(args.network)), {}};
-  session.warn(adjusted.file.warnings);
+AdjustedNetwork solved_network(const std::string& path, Session& session) {
+  AdjustedNetwork adjusted{need(io::read_gama(path)), {}};
+  const io::NetworkFile& file = adjusted.file;
+  session.warn(file.warnings);
   adjusted.solved =
-      need(calib::solve_network(std::move(adjusted.file.network),
-                                {.adjustment = {.sigma_unit = adjusted.file.sigma_unit,
-                                                .sigmas_a_posteriori = adjusted.file.sigmas_a_posteriori,
-                                                .datum_follows = adjusted.file.datum_follows},
-                                 .outlier_limit_m = adjusted.file.outlier_limit_m}),
-           args.network);
+      need(calib::solve_network(file.network, {.adjustment = {.sigma_unit = file.sigma_unit,
+                                                              .sigmas_a_posteriori = file.sigmas_a_posteriori,
+                                                              .datum_follows = file.datum_follows},
+                                               .outlier_limit_m = file.outlier_limit_m}),
+           path);
+  return adjusted;
+}
+
+/// Beacons of a site from the ranges between them in recordings.
+AdjustedNetwork solved_ranges(const AdjustArgs& args, Session& session) {
+  const Site site = need(io::read_site(args.network));
+  session.warn(site.warnings);
+  const std::vector<BeaconFlight> flights = read_beacon_flights(args.runs, names_of(site), session).flights;
+  calib::SolvedRangeNetwork ranges = need(calib::solve_range_network(site, beacon_ranges(site, flights)));
+  if (ranges.mirror_is_equal)
+    session.warn(
+        "The mirror image of the result agrees equally well with the ranges: give approximate positions "
+        "of at least three beacons that are not in line (four in space).");
+  AdjustedNetwork adjusted{{}, std::move(ranges.solved)};
+  adjusted.file.description = site.name;
+  adjusted.file.sigma_unit = 1.0;
+  adjusted.file.sigmas_a_posteriori = false;
+  adjusted.file.outlier_limit_m = 0.0;
+  return adjusted;
+}
+
+int adjust(const AdjustArgs& args, Session& session) {
+  std::vector<std::string> inputs = args.runs;
+  inputs.push_back(args.network);
+  check_outputs(inputs, {{"-o", args.output}}, session);
+  const AdjustedNetwork adjusted =
+      args.runs.empty() ? solved_network(args.network, session) : solved_ranges(args, session);
   const calib::SolvedNetwork& solved = adjusted.solved;
   session.warn(left_out_in_words(adjusted));
-  if (solved.solution.status == calib::NetworkStatus::kUndetermined && solved.undetermined.empty())
+  if (solved.solution.status == calib::NetworkStatus::kUndetermined) {
+    const bool unlocated = solved.undetermined.empty();
     return fail_adjustment(
         "undetermined", kUndetermined,
-        fmt::format("The observations do not locate {}.", fmt::join(solved.unlocated, ", ")),
-        "give approximate coordinates in <point>, or add observations to located points", session);
-  if (solved.solution.status == calib::NetworkStatus::kUndetermined)
-    return fail_adjustment(
-        "undetermined", kUndetermined,
-        fmt::format("The observations and the datum do not determine {}.",
-                    fmt::join(solved.undetermined, ", ")),
-        "fix points, mark datum points with capital letters (adj=\"XY\"), or add observations", session);
+        fmt::format("The observations {} {}.", unlocated ? "do not locate" : "and the datum do not determine",
+                    fmt::join(unlocated ? solved.unlocated : solved.undetermined, ", ")),
+        unlocated ? "give approximate coordinates in <point>, or add observations to located points"
+                  : "fix points, mark datum points with capital letters (adj=\"XY\"), or add observations",
+        session);
+  }
   if (solved.solution.status == calib::NetworkStatus::kNotConverged)
     return fail_adjustment(
         "not_converged", kNotConverged,
@@ -66,10 +95,12 @@ int adjust(const AdjustArgs& args, Session& session) {
 
 void add_adjust(CLI::App& app, CommonOptions& common, Action& action) {
   const auto [command, args] = add_command<AdjustArgs>(
-      app, common, action, "adjust", "Adjust a survey network: directions, angles, distances, heights",
+      app, common, action, "adjust",
+      "Adjust a survey network, or the ranges between the beacons of a site, without a vehicle",
       "octant adjust network.gkf -o network.json", adjust);
   add_required_option(*command, "network", args->network, "NET.gkf",
-                      "Network, in the XML format of GNU Gama");
+                      "Network, in the XML format of GNU Gama; with recordings: the site file");
+  add_option(*command, "run", args->runs, "RUN", "Run folders with ranges between beacons (beacon_tof.csv)");
   add_option(*command, "-o,--output", args->output, "RESULT.json",
              "Coordinates, covariance and residuals to write; - is standard output");
 }

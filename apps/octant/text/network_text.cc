@@ -38,6 +38,7 @@ const char* name_of(SurveyKind kind) {
     case SurveyKind::kDx: return "dx";
     case SurveyKind::kDy: return "dy";
     case SurveyKind::kDz: return "dz";
+    case SurveyKind::kConstant: return "constant";
   }
   return "";
 }
@@ -163,6 +164,10 @@ std::string observation_in_words(const AdjustedNetwork& a, const SurveyObservati
   return words;
 }
 
+std::string line_in_words(const SurveyObservation& o) {
+  return o.line > 0 ? fmt::format(" (line {})", o.line) : "";
+}
+
 std::string points_text(const AdjustedNetwork& a, const calib::NetworkColumns& columns) {
   Table table{"lrrrrrr", {{"point", "x [m]", "y", "z", "sx [mm]", "sy", "sz"}}};
   for (std::size_t p = 0; p < columns.point.size(); ++p) {
@@ -259,12 +264,16 @@ std::vector<std::string> left_out_in_words(const AdjustedNetwork& a) {
         "because their set of directions has one target.",
         a.solved.unusable));
   constexpr std::size_t kMostNamed = 10;
+  const std::string reason =
+      a.file.outlier_limit_m > 0.0
+          ? fmt::format(
+                "at the approximate coordinates it deviates by more than {} m. Check it, the "
+                "coordinates, and the limit",
+                a.file.outlier_limit_m)
+          : "it does not agree with the others (a reflection?)";
   for (const SurveyObservation& o : a.solved.outlying | std::views::take(kMostNamed))
     words.push_back(
-        fmt::format("The {} (line {}) is left out: at the approximate coordinates it deviates by more than "
-                    "{} m. Check it, "
-                    "the coordinates, and the limit.",
-                    observation_in_words(a, o), o.line, a.file.outlier_limit_m));
+        fmt::format("The {}{} is left out: {}.", observation_in_words(a, o), line_in_words(o), reason));
   if (a.solved.outlying.size() > kMostNamed)
     words.push_back(fmt::format("{} more observations are left out for the same reason.",
                                 a.solved.outlying.size() - kMostNamed));
@@ -280,11 +289,11 @@ std::vector<std::string> suspicious_observations(const AdjustedNetwork& a) {
   std::vector<std::string> words;
   for (const std::size_t i : order) {
     const SurveyObservation& o = a.solved.network.observations[i];
-    words.push_back(
-        fmt::format("The {} (line {}) does not agree with the others: w is {:.1f} (limit {}). "
-                    "Check it first if it is the largest.",
-                    observation_in_words(a, o), o.line, std::abs(a.solved.solution.observations[i].w),
-                    calib::kCriticalW));
+    words.push_back(fmt::format(
+        "The {}{} does not agree with the others: w is {:.1f} (limit {}). Check it first if it is "
+        "the largest.",
+        observation_in_words(a, o), line_in_words(o), std::abs(a.solved.solution.observations[i].w),
+        calib::kCriticalW));
   }
   return words;
 }

@@ -1,0 +1,188 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "calib/network/range_network.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "calib/errors/reliability.h"
+#include "calib/network/place_by_ranges.h"
+#include "calib/network/select_observations.h"
+#include "calib/network/survey_row.h"
+
+namespace octant::calib {
+namespace {
+
+/// Bound on the rounds in which ranges are left out.
+constexpr int kMostRejections = 30;
+/// Ranges within this part of the worst one are left out with it: a blunder spreads over its neighbours.
+constexpr double kShareOfWorst = 0.6;
+/// Limit of |w|, relative to its robust scale, beyond which a range is left out.
+constexpr double kCriticalRange = 4.0;
+/// Median absolute deviation of normal noise with sigma 1.
+constexpr double kMedianDeviation = 0.6745;
+/// Rounds of the variance component, and the redundancy from which it is estimated.
+constexpr int kScaleRounds = 3;
+constexpr double kLeastRedundancy = 5.0;
+
+/// Points, ranges, observed coordinates and delays; `constants` are the delays as distances.
+Network network_of(const Site& site, const BeaconRanges& ranges) {
+  Network network;
+  for (const SiteBeacon& beacon : site.beacons) {
+    NetworkPoint point{.id = beacon.name};
+    for (std::size_t i = 0; i < 3; ++i) {
+      const bool exact = beacon.position_m[i] && beacon.sigma_m[i] && *beacon.sigma_m[i] == 0.0;
+      point.role[i] = exact ? CoordinateRole::kFixed : CoordinateRole::kDatum;
+      point.known[i] = beacon.position_m[i].has_value();
+      point.p_map_m[static_cast<int>(i)] = beacon.position_m[i].value_or(0.0);
+      if (exact || !beacon.position_m[i] || !beacon.sigma_m[i]) continue;
+      network.observations.push_back(
+          {.kind = static_cast<SurveyKind>(static_cast<int>(SurveyKind::kX) + static_cast<int>(i)),
+           .from = static_cast<int>(network.points.size()),
+           .line = beacon.line,
+           .value = *beacon.position_m[i],
+           .sigma = *beacon.sigma_m[i]});
+    }
+    network.points.push_back(std::move(point));
+  }
+  const double delay_s = largest_delay_sigma_s(site);
+  for (const BeaconRange& range : ranges.pairs) {
+    const double m_per_s = range.model_speed_mps / site.timing.legs();
+    SurveyObservation o{.kind = SurveyKind::kSlopeDistance,
+                        .from = range.from.value,
+                        .to = range.to.value,
+                        .value = m_per_s * range.tof_s,
+                        .sigma = m_per_s * range.sigma_s};
+    if (delay_s > 0.0) {
+      o.constant = range.from.value;
+      o.target_constant = range.to.value;
+    }
+    network.observations.push_back(o);
+  }
+  if (delay_s == 0.0 || ranges.pairs.empty()) return network;
+  network.constants = static_cast<int>(site.beacons.size());
+  const double sigma_m = delay_s * ranges.pairs.front().model_speed_mps / site.timing.legs();
+  for (int b = 0; b < network.constants; ++b)
+    network.observations.push_back({.kind = SurveyKind::kConstant, .constant = b, .sigma = sigma_m});
+  return network;
+}
+
+bool heights_are_given(const Site& site) {
+  return std::ranges::all_of(site.beacons,
+                             [](const SiteBeacon& b) { return b.position_m[2] && b.sigma_m[2]; });
+}
+
+std::vector<RangeEdge> edges_of(const Network& network, bool plane) {
+  std::vector<RangeEdge> edges;
+  for (const SurveyObservation& o : network.observations) {
+    if (o.kind != SurveyKind::kSlopeDistance) continue;
+    const double rise_m = network.points[static_cast<std::size_t>(o.to)].p_map_m.z() -
+                          network.points[static_cast<std::size_t>(o.from)].p_map_m.z();
+    const double square = o.value * o.value - (plane ? rise_m * rise_m : 0.0);
+    edges.push_back({o.from, o.to, std::sqrt(std::max(square, 1e-6))});
+  }
+  return edges;
+}
+
+/// Moves the placed points to the given positions, as far as there are enough of them.
+/// @return false if a reflection fits about as well
+bool move_to_given(const Network& network, PlacedByRanges& placed) {
+  const auto d = static_cast<std::size_t>(placed.positions_m.rows());
+  std::vector<int> given;
+  for (std::size_t p = 0; p < network.points.size(); ++p)
+    if (placed.column[p] >= 0 && std::all_of(network.points[p].known.begin(),
+                                             network.points[p].known.begin() + static_cast<std::ptrdiff_t>(d),
+                                             [](bool known) { return known; }))
+      given.push_back(static_cast<int>(p));
+  if (given.empty()) return false;
+  Eigen::MatrixXd from(d, given.size()), to(d, given.size());
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    const auto p = static_cast<std::size_t>(given[k]);
+    from.col(static_cast<Eigen::Index>(k)) = placed.positions_m.col(placed.column[p]);
+    to.col(static_cast<Eigen::Index>(k)) = network.points[p].p_map_m.head(static_cast<Eigen::Index>(d));
+  }
+  const RigidFit direct = fit_rigidly(from, to, false), reflected = fit_rigidly(from, to, true);
+  const RigidFit& best = reflected.rms_m < direct.rms_m ? reflected : direct;
+  placed.positions_m = ((best.rotation * placed.positions_m).colwise() + best.shift_m).eval();
+  const double other_m = std::max(direct.rms_m, reflected.rms_m);
+  return given.size() > d && best.rms_m < 0.5 * other_m;
+}
+
+bool is_range(const SurveyObservation& o) { return o.kind == SurveyKind::kSlopeDistance; }
+
+/// Leaves out ranges whose w exceeds the limit relative to the median of all, the worst ones first.
+void reject_ranges(SolvedNetwork& solved) {
+  for (int round = 0; round < kMostRejections && solved.solution.status == NetworkStatus::kConverged;
+       ++round) {
+    std::vector<double> all;
+    for (std::size_t i = 0; i < solved.network.observations.size(); ++i)
+      if (is_range(solved.network.observations[i]))
+        all.push_back(std::abs(solved.solution.observations[i].w));
+    const double worst = *std::ranges::max_element(all);
+    const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+    std::ranges::nth_element(all, middle);
+    const double unit = std::max(*middle / kMedianDeviation, 1e-9);
+    if (worst < kCriticalRange * unit) return;
+    const double limit = std::max(kCriticalRange * unit, kShareOfWorst * worst);
+    std::vector<bool> keep;
+    for (std::size_t i = 0; i < solved.network.observations.size(); ++i) {
+      const SurveyObservation& o = solved.network.observations[i];
+      keep.push_back(!is_range(o) || std::abs(solved.solution.observations[i].w) < limit);
+      if (!keep.back()) solved.outlying.push_back(o);
+    }
+    keep_observations(solved.network, keep);
+    solved.solution = adjust_network(solved.network, {.dense_limit = 0});
+  }
+}
+
+/// Scales the sigmas of the ranges to their residuals (variance component), and adjusts again.
+void scale_ranges(SolvedNetwork& solved) {
+  for (int round = 0; round < kScaleRounds && solved.solution.status == NetworkStatus::kConverged; ++round) {
+    double squares = 0.0, redundancy = 0.0;
+    for (std::size_t i = 0; i < solved.network.observations.size(); ++i) {
+      const SurveyObservation& o = solved.network.observations[i];
+      if (!is_range(o)) continue;
+      squares += std::pow(solved.solution.observations[i].residual / o.sigma, 2);
+      redundancy += solved.solution.observations[i].redundancy;
+    }
+    if (redundancy < kLeastRedundancy) return;
+    const double factor = std::sqrt(squares / redundancy);
+    for (SurveyObservation& o : solved.network.observations)
+      if (is_range(o)) o.sigma = std::max(o.sigma * factor, 1e-9);
+    solved.solution = adjust_network(solved.network);
+  }
+}
+
+}  // namespace
+
+Result<SolvedRangeNetwork> solve_range_network(const Site& site, const BeaconRanges& ranges) {
+  SolvedRangeNetwork result;
+  Network network = network_of(site, ranges);
+  const bool plane = heights_are_given(site);
+  if (ranges.pairs.empty())
+    return fail({.file = site.path,
+                 .found = "no range between beacons",
+                 .expected = "beacon_tof.csv with rows in a run folder"});
+  PlacedByRanges placed =
+      place_by_ranges(static_cast<int>(site.beacons.size()), edges_of(network, plane), plane ? 2 : 3);
+  if (placed.positions_m.cols() > 0) result.mirror_is_equal = !move_to_given(network, placed);
+  for (std::size_t p = 0; p < network.points.size(); ++p) {
+    NetworkPoint& point = network.points[p];
+    for (int i = 0; i < static_cast<int>(placed.positions_m.rows()); ++i)
+      if (const auto axis = static_cast<std::size_t>(i);
+          placed.column[p] >= 0 && point.role[axis] != CoordinateRole::kFixed) {
+        point.p_map_m[i] = placed.positions_m(i, placed.column[p]);
+        point.known[axis] = true;
+      }
+    if (placed.column[p] < 0) point.known.fill(false);
+  }
+  auto solved = solve_network(std::move(network));
+  if (!solved) return fail(solved.error());
+  result.solved = std::move(*solved);
+  reject_ranges(result.solved);
+  scale_ranges(result.solved);
+  return result;
+}
+
+}  // namespace octant::calib
