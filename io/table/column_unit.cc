@@ -39,11 +39,14 @@ constexpr Unit kColumnUnits[] = {
     {"\xC2\xB5s", "s", {1e-6}},  // micro sign
     {"\xCE\xBCs", "s", {1e-6}},  // Greek mu
     {"usec", "s", {1e-6}},
+    {"usecs", "s", {1e-6}},
     {"micros", "s", {1e-6}},
     {"microseconds", "s", {1e-6}},
     {"mikrosekunden", "s", {1e-6}},
     {"ns", "s", {1e-9}},
     {"nsec", "s", {1e-9}},
+    {"nsecs", "s", {1e-9}},
+    {"nanosec", "s", {1e-9}},
     {"nanos", "s", {1e-9}},
     {"nanoseconds", "s", {1e-9}},
     {"ps", "s", {1e-12}},

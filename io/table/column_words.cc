@@ -127,7 +127,6 @@ bool is_name_of_beacon(std::string_view name, const std::vector<Word>& words) {
   const auto numbered = [&](std::size_t i) { return letter_kind(name[words[i].begin]) == Kind::kDigit; };
   if (words.size() == 4 && (words[0].text == "t" || words[0].text == "tag") && numbered(1) && numbered(3))
     return is_in(kBeaconWords, words[2].text) || is_in(kLetterWords, words[2].text);
-  if (name.starts_with("0x") || name.starts_with("0X")) return true;
   return words.size() == 2 && (is_in(kBeaconWords, words[0].text) || is_in(kLetterWords, words[0].text)) &&
          numbered(1);
 }
@@ -142,7 +141,12 @@ NamedColumn meaning_of(std::string_view full_name) {
     return std::ranges::any_of(words, [&](const Word& word) { return is_in(of, word.text); });
   };
   if (words.empty()) return {};
-  if (lower_case(full_name) == "x_value") return {ColumnRole::kTime, ""};  // LabVIEW
+  const std::string lower = lower_case(full_name);
+  if (lower.starts_with("0x")) return {ColumnRole::kBeaconName, std::string(name)};
+  if (lower == "from" || lower == "to" || lower == "src" || lower == "dst")
+    return {.role = ColumnRole::kBeacon, .is_end = true};
+  if (lower == "id") return {.role = ColumnRole::kBeacon, .is_vague = true};
+  if (lower == "x_value") return {ColumnRole::kTime, ""};  // LabVIEW
   if (any(kOtherWords) || words.front().text == "unnamed" || words.front().text == "index") {
     // ROS writes the time of a message and of its header: "field.header.stamp", "field.header.seq".
     return {any(kTimeWords) && !any(kDistanceWords) ? ColumnRole::kTime : ColumnRole::kUnknown, ""};
@@ -154,7 +158,7 @@ NamedColumn meaning_of(std::string_view full_name) {
   if (any(kTimeWords)) return {ColumnRole::kTime, ""};
   if (any(kReceiverWords)) return {ColumnRole::kReceiver, ""};
   if (any(kVehicleWords)) return {ColumnRole::kVehicle, ""};
-  if (any(kBeaconWords) || (words.size() == 1 && words[0].text == "id")) return {ColumnRole::kBeacon, ""};
+  if (any(kBeaconWords)) return {ColumnRole::kBeacon, ""};
   if (any(kEpochWords)) return {ColumnRole::kEpoch, ""};
   if (any(kTemperatureWords)) return {ColumnRole::kTemperature, ""};
   const bool is_unit_of_time =

@@ -23,7 +23,9 @@ enum class ColumnRole {
 
 struct NamedColumn {
   ColumnRole role = ColumnRole::kUnknown;
-  std::string id;  ///< "A1" of "r_A1", "dist A1 [cm]" and "A1_range_mm"
+  std::string id = {};    ///< "A1" of "r_A1", "dist A1 [cm]" and "A1_range_mm"
+  bool is_vague = false;  ///< "id", which may be the number of a row
+  bool is_end = false;    ///< "from" or "to": the beacon or the receiver
 };
 
 /// Meaning of a name; kUnknown for columns about another quantity ("rssi_A1", "range_std", "gt_x").

@@ -94,12 +94,23 @@ class ColumnFinder {
         out_.time_cell = i;
         const std::string_view second = date_and_time(rule.source).second;
         if (!by_name && !second.empty())
-          out_.clock_cell = static_cast<std::size_t>(column_named(layout_, second));
+          find_second_time(static_cast<std::size_t>(column_named(layout_, second)));
       }
       out_.all.push_back(std::move(column));
       if (by_name || !is_pattern(rule)) break;
     }
     return {};
+  }
+
+  /// The second column of a time: a time of day, or a number such as nanoseconds.
+  void find_second_time(std::size_t cell) {
+    out_.clock_cell = cell;
+    const bool numbers = std::ranges::all_of(layout_.rows, [&](const auto& row) {
+      double value = 0.0;
+      return cell >= row.size() || cell_number(row[cell], layout_.decimal, value);
+    });
+    const auto unit = unit_of_column(layout_.names[cell], "time_s");
+    if (numbers && unit) out_.below_unit_s = unit->factor;
   }
 
   Result<void> find_time() {
@@ -167,7 +178,7 @@ class ColumnFinder {
 
 std::string TableColumns::time_text(const std::vector<std::string>& cells) const {
   std::string text = *time_cell < cells.size() ? cells[*time_cell] : "";
-  if (clock_cell && *clock_cell < cells.size()) text += " " + cells[*clock_cell];
+  if (clock_cell && !below_unit_s && *clock_cell < cells.size()) text += " " + cells[*clock_cell];
   return text;
 }
 

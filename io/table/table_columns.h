@@ -28,8 +28,9 @@ struct TableColumns {
   std::optional<std::size_t> time_cell;
   std::optional<std::size_t> clock_cell;  ///< time of day, if time_cell is a date
   TimeColumn time;
-  bool one_each = false;          ///< a column for each beacon
-  std::vector<double> no_values;  ///< numbers that stand for no measurement
+  std::optional<double> below_unit_s;  ///< unit of clock_cell, if it is a number that is added to the time
+  bool one_each = false;               ///< a column for each beacon
+  std::vector<double> no_values;       ///< numbers that stand for no measurement
   std::vector<std::string> no_words;
 
   [[nodiscard]] std::string time_text(const std::vector<std::string>& cells) const;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <set>
 
 #include <fmt/format.h>
@@ -35,7 +36,8 @@ struct Column {
   [[nodiscard]] bool is_unix_time() const { return is_number() && largest > kLeastUnixTime; }
   /// A few names, most of which return.
   [[nodiscard]] bool may_name_beacons() const {
-    return filled > 0 && times == 0 && fractions == 0 &&
+    const bool counts_rows = numbers == filled && filled > 2 && different.size() == filled && decreases == 0;
+    return filled > 0 && !counts_rows && times == 0 && fractions == 0 &&
            different.size() <= std::max<std::size_t>(4, filled / 2) && different.size() <= kMostBeacons;
   }
 };
@@ -166,8 +168,26 @@ class ColumnGuess {
       lines_.push_back(fmt::format("time: {} and {}", words_of(*date), words_of(*best)));
       return true;
     }
+    const auto below = std::ranges::find_if(columns_, [this](const Column& column) {
+      return column.is_number() && is_part_of_second(layout_.names[column.index]);
+    });
+    if (best != nullptr && best->is_number() && best->fractions == 0 && below != columns_.end() &&
+        below->index != best->index && is_seconds(layout_.names[best->index])) {
+      mapping_.columns.push_back({"time_s", layout_.names[best->index] + "+" + layout_.names[below->index]});
+      used_.insert({below->index, best->index});
+      lines_.push_back(fmt::format("time: {} and {}", words_of(*best), words_of(*below)));
+      return true;
+    }
     if (best != nullptr) add("time", *best);
     return best != nullptr;
+  }
+  /// "secs", "field.header.stamp.secs" with "nsecs": the two parts of a time in ROS.
+  [[nodiscard]] static bool is_seconds(const std::string& name) {
+    return name.ends_with("sec") || name.ends_with("secs") || name.ends_with("seconds");
+  }
+  [[nodiscard]] static bool is_part_of_second(const std::string& name) {
+    return name.ends_with("nsec") || name.ends_with("nsecs") || name.ends_with("nanosec") ||
+           name.ends_with("usec");
   }
   [[nodiscard]] static bool is_time_of_day(const Column& column) {
     return std::ranges::none_of(column.different, [](const std::string& cell) {
@@ -197,6 +217,11 @@ class ColumnGuess {
     auto beacons = columns_with(ColumnRole::kBeacon);
     std::erase_if(beacons,
                   [](const Column* column) { return column->filled > 0 && !column->may_name_beacons(); });
+    // Names that are sure precede "id"; of the two ends of a range, the beacon is the one that changes more.
+    std::ranges::stable_sort(beacons, std::greater{}, [](const Column* column) {
+      return std::pair(!column->meaning.is_vague,
+                       column->meaning.is_end ? column->different.size() : kMostBeacons);
+    });
     const bool one_each =
         std::ranges::count_if(values, [](const Column* c) { return !c->meaning.id.empty(); }) > 1;
     if (!beacons.empty() && !values.empty() && !one_each) {
@@ -204,7 +229,11 @@ class ColumnGuess {
       add(target, *values.front());
       return true;
     }
-    if (values.size() == 1 && values.front()->meaning.id.empty()) {
+    const bool has_other_names = std::ranges::any_of(columns_, [&](const Column& column) {
+      return !used_.contains(column.index) && column.texts > 0 && column.different.size() > 1 &&
+             column.may_name_beacons();
+    });
+    if (values.size() == 1 && values.front()->meaning.id.empty() && !has_other_names) {
       add(target, *values.front());
       mapping_.columns.back().beacon = "1";
       lines_.back() += ", of one beacon that is named 1";

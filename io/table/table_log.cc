@@ -201,14 +201,16 @@ class TableReader {
   Result<double> time_of(const std::vector<std::string>& cells) {
     if (!columns_.time_cell) return static_cast<double>(row_number_) * *stated_.period_s;
     const std::string cell = columns_.time_text(cells);
-    const auto value = columns_.time.seconds(cell, layout_.decimal);
+    auto value = columns_.time.seconds(cell, layout_.decimal);
+    if (double below = 0.0; value && columns_.below_unit_s && *columns_.clock_cell < cells.size() &&
+                            cell_number(cells[*columns_.clock_cell], layout_.decimal, below))
+      *value += scaled(below, *columns_.below_unit_s);
     if (!value && !is_no_value(cell))
       return error(
           line_,
           fmt::format("{} in column {}", in_quotes(cell), in_quotes(layout_.names[*columns_.time_cell])),
           "a number, or a date and time such as 2026-06-11 11:33:48.686", advice_for(cell));
-    if (!value || !std::isfinite(*value))
-      return error(line_, "a row without a time", "a number, or a date and time");
+    if (!value || !std::isfinite(*value)) return std::nan("");
     const double stated_s = seconds_of_stamp(*value);
     stamps_ = stamps_ || stated_s != *value;
     const double time_s = begun_ ? clock_.continued(stated_s, last_time_s_, line_) : stated_s;
@@ -226,6 +228,7 @@ class TableReader {
     ImportedArrival row;
     const auto time = time_of(cells);
     if (!time) return fail(time.error());
+    if (!std::isfinite(*time)) return ++untimed_, Result<void>();
     row.time_s = *time;
     std::string beacon;
     for (const TableColumn& column : columns_.all) {
@@ -289,6 +292,22 @@ class TableReader {
     return stops_.number_of(cell);
   }
 
+  /// A warning about whole distances that no name has a unit for; metres have decimals.
+  [[nodiscard]] std::optional<std::string> unit_of_distances() const {
+    constexpr double kFar_m = 200.0;  // beyond the reach of radio and ultrasound indoors
+    double largest_m = 0.0;
+    for (const ImportedArrival& a : out_.log.arrivals) {
+      if (!a.is_distance || (std::isfinite(a.value) && a.value != std::floor(a.value))) return std::nullopt;
+      if (std::isfinite(a.value)) largest_m = std::max(largest_m, a.value);
+    }
+    if (largest_m < kFar_m || out_.mapping.columns.empty()) return std::nullopt;
+    return fmt::format(
+        ": the distances are whole numbers up to {}, used as metres; if they are millimetres, state it as in "
+        "--columns "
+        "distance=COLUMN*1e-3",
+        exact(largest_m));
+  }
+
   Result<void> finish() {
     auto& log = out_.log;
     const std::size_t rows = log.arrivals.size() + log.not_heard + log.ignored_rows() + dropped_ + filtered_;
@@ -296,6 +315,8 @@ class TableReader {
       return error(first_left_out_, fmt::format("a row that does not fit the columns: {}", left_out_text_),
                    fmt::format("{} cells, with numbers as times and values", layout_.names.size()),
                    "if numbers have commas, put them in quotes or separate the cells by semicolons");
+    if (rows == 0 && untimed_ > 0)
+      return error(layout_.first_row_line, "a row without a time", "a number, or a date and time");
     if (rows == 0)
       return error(layout_.header_line, "the table has no rows under its header", "a row an arrival");
     const auto warn = [&](std::string text) { log.warnings.push_back(fmt::format("{}{}", path_, text)); };
@@ -310,6 +331,7 @@ class TableReader {
           "they were converted to seconds");
     if (const auto unit = unit_.note(path_); unit && stated_.time_format.empty())
       log.warnings.push_back(*unit);
+    if (untimed_ > 0) warn(fmt::format(": {} rows without a time are left out", untimed_));
     if (dropped_ > 0) warn(fmt::format(": {} rows without a beacon were left out", dropped_));
     if (named_stops_) warn(": stops with names are numbered in the order of their first rows");
     if (without_value_ > 0)
@@ -317,6 +339,7 @@ class TableReader {
           fmt::format("no measurement: {} cells with 0, -1 or another number that no distance is close to",
                       without_value_),
           stated_.no_value.empty() ? "--no-value none" : "");
+    if (const auto unit = unit_of_distances()) warn(*unit);
     if (stated_.columns.empty() && !own_) {
       if (std::ranges::none_of(columns_.all, [](const TableColumn& c) { return !c.receiver.empty(); }))
         remove_only_receiver(log);
@@ -335,7 +358,7 @@ class TableReader {
   ContinuedClock clock_;
   TimeUnitCheck unit_;
   int line_ = 0, first_left_out_ = 0;
-  std::size_t row_number_ = 0, left_out_ = 0, filtered_ = 0, dropped_ = 0, without_value_ = 0;
+  std::size_t row_number_ = 0, left_out_ = 0, filtered_ = 0, untimed_ = 0, dropped_ = 0, without_value_ = 0;
   std::string left_out_text_;
   double last_time_s_ = 0.0, continued_by_s_ = 0.0;
   bool own_ = false, begun_ = false, stamps_ = false, named_stops_ = false, too_many_names_ = false;
