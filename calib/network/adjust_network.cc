@@ -17,6 +17,11 @@ namespace {
 
 using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
+/// Steps below this are within the linear range of any survey, and their change of the sum of squares may be
+/// rounding.
+constexpr double kSmallStep_m = 1e-3;
+constexpr int kMostHalvings = 10;
+
 /// Matrix W with W^T W equal to the weight matrix, for a unit variance of unit weight.
 SparseRows whitening(const Network& network, double sigma_unit) {
   const auto n = static_cast<Eigen::Index>(network.observations.size());
@@ -142,7 +147,12 @@ NetworkSolution adjust_network(const Network& network, const NetworkOptions& opt
       return solution;
     }
     ++solution.iterations;
-    const Eigen::VectorXd step = normals.solve(at.jacobian.transpose() * at.whitened, x - reference);
+    Eigen::VectorXd step = normals.solve(at.jacobian.transpose() * at.whitened, x - reference);
+    // A large step that increases the sum of squares is too long for the linearisation.
+    for (int halved = 0; halved < kMostHalvings && step.cwiseAbs().maxCoeff() > kSmallStep_m &&
+                         linearise(network, columns, w, x + step).whitened.norm() > at.whitened.norm();
+         ++halved)
+      step *= 0.5;
     x += step;
     if (options.datum_follows) reference = x;
     const double size = step.head(columns.first_set).cwiseAbs().maxCoeff();

@@ -20,6 +20,8 @@ constexpr int kMostRejections = 30;
 constexpr double kShareOfWorst = 0.6;
 /// Limit of |w|, relative to its robust scale, beyond which a range is left out.
 constexpr double kCriticalRange = 4.0;
+/// Limit of the deviation from approximate positions, in robust sigmas.
+constexpr double kGross = 6.0;
 /// Median absolute deviation of normal noise with sigma 1.
 constexpr double kMedianDeviation = 0.6745;
 /// Rounds of the variance component, and the redundancy from which it is estimated.
@@ -111,6 +113,31 @@ bool move_to_given(const Network& network, PlacedByRanges& placed) {
 
 bool is_range(const SurveyObservation& o) { return o.kind == SurveyKind::kSlopeDistance; }
 
+/// Leaves out ranges that deviate from the approximate positions far more than most: echoes, before the first
+/// adjustment, which would be displaced by them.
+std::vector<SurveyObservation> leave_out_gross(Network& network) {
+  std::vector<double> deviation_m;
+  for (const SurveyObservation& o : network.observations)
+    if (is_range(o))
+      deviation_m.push_back(std::abs((network.points[static_cast<std::size_t>(o.to)].p_map_m -
+                                      network.points[static_cast<std::size_t>(o.from)].p_map_m)
+                                         .norm() -
+                                     o.value));
+  std::vector<double> sorted = deviation_m;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::ranges::nth_element(sorted, middle);
+  const double limit_m = kGross * *middle / kMedianDeviation;
+  std::vector<bool> keep;
+  std::vector<SurveyObservation> removed;
+  auto deviation = deviation_m.begin();
+  for (const SurveyObservation& o : network.observations) {
+    keep.push_back(!is_range(o) || *deviation++ <= limit_m);
+    if (!keep.back()) removed.push_back(o);
+  }
+  if (!removed.empty()) keep_observations(network, keep);
+  return removed;
+}
+
 /// Leaves out ranges whose w exceeds the limit relative to the median of all, the worst ones first.
 void reject_ranges(SolvedNetwork& solved) {
   for (int round = 0; round < kMostRejections && solved.solution.status == NetworkStatus::kConverged;
@@ -177,9 +204,11 @@ Result<SolvedRangeNetwork> solve_range_network(const Site& site, const BeaconRan
       }
     if (placed.column[p] < 0) point.known.fill(false);
   }
+  std::vector<SurveyObservation> gross = leave_out_gross(network);
   auto solved = solve_network(std::move(network));
   if (!solved) return fail(solved.error());
   result.solved = std::move(*solved);
+  result.solved.outlying = std::move(gross);
   reject_ranges(result.solved);
   scale_ranges(result.solved);
   return result;

@@ -115,5 +115,40 @@ TEST(RangeNetwork, SaysThatAMirrorImageIsEqual) {
   EXPECT_LT(rms_m, 0.05);
 }
 
+/// Thirty beacons in space of which the site knows nothing, with delays and echoes.
+TEST(RangeNetwork, FindsTheShapeInSpaceWithoutAnyPosition) {
+  Random draws(6);
+  Warehouse w;
+  w.site.medium.speed_mps = kSpeed_mps;
+  w.site.noise.tof_sigma_s = kNoise_m / kSpeed_mps;
+  w.site.timing.delay_per.beacon = true;
+  w.site.timing.delay_sigma_s = 0.3 / kSpeed_mps;
+  std::vector<double> delays;
+  for (int b = 0; b < 30; ++b) {
+    w.truth.emplace_back(draws.uniform(0.0, 30.0), draws.uniform(0.0, 20.0), draws.uniform(0.0, 8.0));
+    w.site.beacons.emplace_back().name = std::to_string(b);
+    delays.push_back(0.3 * draws.normal());
+  }
+  std::vector<BeaconFlight> flights;
+  for (std::size_t a = 0; a < w.truth.size(); ++a)
+    for (std::size_t b = a + 1; b < w.truth.size(); ++b) {
+      const double length_m = (w.truth[a] - w.truth[b]).norm();
+      if (length_m > 18.0) continue;
+      const double echo_m = draws.uniform(0.0, 1.0) < 0.05 ? draws.uniform(1.0, 10.0) : 0.0;
+      flights.push_back(
+          {0.0, BeaconId(a), BeaconId(b),
+           (length_m + delays[a] + delays[b] + echo_m + kNoise_m * draws.normal()) / kSpeed_mps});
+    }
+  const auto result = calib::solve_range_network(w.site, beacon_ranges(w.site, flights));
+  ASSERT_TRUE(result);
+  ASSERT_EQ(result->solved.solution.status, calib::NetworkStatus::kConverged);
+  EXPECT_TRUE(result->mirror_is_equal);
+  EXPECT_EQ(result->solved.solution.defect, 6);
+  for (std::size_t a = 0; a < w.truth.size(); ++a)
+    for (std::size_t b = a + 1; b < w.truth.size(); ++b)
+      EXPECT_NEAR((result->solved.solution.points_m[a] - result->solved.solution.points_m[b]).norm(),
+                  (w.truth[a] - w.truth[b]).norm(), 0.6);
+}
+
 }  // namespace range_network_test
 }  // namespace octant::test
