@@ -112,10 +112,13 @@ class Search {
     Contradiction what;
     ReadingScore score;
   };
-  /// Frames and units of poses, wirings, and site frames, which resemble each other.
+  /// Frames and units of poses and frames and wirings of whole arrays, which resemble each other; then the
+  /// many exchanges of two receivers.
   void try_frames() {
-    try_out(joined({other_pose_frames(problem_.runs), other_pose_units(problem_.runs),
-                    other_wirings(site_, solution_, is_explained()), other_site_frames(site_)}));
+    try_out(
+        joined({other_pose_frames(problem_.runs), other_pose_units(problem_.runs), other_receiver_axes(site_),
+                other_wirings(site_, solution_, false), mirrored_map(site_)}));
+    if (!is_explained()) try_out(other_wirings(site_, solution_, true));
   }
 
   /// Hypotheses that scale everything.

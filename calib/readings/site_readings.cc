@@ -213,12 +213,12 @@ std::vector<Reading> points_elsewhere(const Site& site) {
   return readings;
 }
 
-std::vector<Reading> other_wirings(const Site& site, const Solution& solution, bool whole_arrays) {
+std::vector<Reading> other_wirings(const Site& site, const Solution& solution, bool exchanges) {
   std::vector<Reading> readings;
   const std::vector<bool> doubtful = doubtful_receivers(site, solution.trajectories);
   for (std::size_t v = 0; v < site.vehicles.size(); ++v)
     for (const Wiring& wiring : wirings(site, VehicleId(v), doubtful)) {
-      if (whole_arrays && wiring.is_exchange()) continue;
+      if (wiring.is_exchange() != exchanges) continue;
       readings.push_back(
           {{ContradictionKind::kWiring, "of " + site.vehicles[v].name, "wired as in the site file",
             "that " + wiring.words, 0.0, "check the cables, or exchange the places in the site file"},
@@ -256,7 +256,7 @@ ReleasedSite without_what_is_blamed(const Site& site, const std::vector<Contradi
   return released;
 }
 
-std::vector<Reading> other_site_frames(const Site& site) {
+std::vector<Reading> other_receiver_axes(const Site& site) {
   std::vector<Reading> readings;
   for (std::size_t v = 0; v < site.vehicles.size(); ++v) {
     if (site.vehicles[v].receiver_count < 2) continue;  // a single receiver has no left and right
@@ -269,17 +269,20 @@ std::vector<Reading> other_site_frames(const Site& site) {
                             [v, axes](const Site& stated) { return with_receivers_read(stated, v, axes); },
                             {}});
   }
+  return readings;
+}
+
+std::vector<Reading> mirrored_map(const Site& site) {
   const auto placed = std::ranges::count_if(
       site.beacons, [](const SiteBeacon& b) { return b.position_m[0] && b.position_m[1]; });
-  if (static_cast<std::size_t>(placed) >= kPlacesOfAMap)
-    readings.push_back(
-        {{ContradictionKind::kExchanged, "of the site file", "in a right-handed frame (z up)",
-          "that their map is mirrored: x and y are exchanged, or one of them has the wrong sign", 0.0,
-          "write the positions of the beacons in a right-handed frame: x and y as seen from above, "
-          "counter-clockwise from x to y"},
-         [](const Site& stated) { return with_map_mirrored(stated); },
-         {}});
-  return readings;
+  if (static_cast<std::size_t>(placed) < kPlacesOfAMap) return {};
+  return {
+      Reading{{ContradictionKind::kExchanged, "of the site file", "in a right-handed frame (z up)",
+               "that their map is mirrored: x and y are exchanged, or one of them has the wrong sign", 0.0,
+               "write the positions of the beacons in a right-handed frame: x and y as seen from above, "
+               "counter-clockwise from x to y"},
+              [](const Site& stated) { return with_map_mirrored(stated); },
+              {}}};
 }
 
 }  // namespace octant::calib

@@ -24,9 +24,8 @@ namespace octant::calib {
 /// explains the same without a free parameter. Empty if there are more than a few.
 [[nodiscard]] std::vector<Reading> exchanged_points(const Site& site);
 /// Hypotheses that receivers are exchanged, mirrored or rotated.
-/// @param whole_arrays  only those that move three or more receivers, as another convention would
-[[nodiscard]] std::vector<Reading> other_wirings(const Site& site, const Solution& solution,
-                                                 bool whole_arrays);
+/// @param exchanges  those that exchange two of three or more receivers; otherwise those of whole arrays
+[[nodiscard]] std::vector<Reading> other_wirings(const Site& site, const Solution& solution, bool exchanges);
 /// Hypothesis that the heights of all beacons have the wrong sign (z downwards in the site file); empty
 /// without heights.
 [[nodiscard]] std::vector<Reading> heights_downwards(const Site& site);
@@ -34,11 +33,13 @@ namespace octant::calib {
 [[nodiscard]] std::vector<Reading> common_delay(const Site& site, double typical_range_m);
 /// Hypotheses that a control point is not at its position in the site file.
 [[nodiscard]] std::vector<Reading> points_elsewhere(const Site& site);
-/// Hypotheses that positions are in another frame than the vehicle's (x forward, y left) or the map's (x, y
-/// seen from above): receivers with a coordinate of the wrong sign or with x and y exchanged, which rotates
-/// or mirrors them; beacons mirrored. Hypotheses without an effect are omitted. Without poses and odometry,
-/// mirrored beacons and mirrored receivers are equivalent for the ranges.
-[[nodiscard]] std::vector<Reading> other_site_frames(const Site& site);
+/// Hypotheses that receivers are in another frame than the vehicle's (x forward, y left): a coordinate has
+/// the wrong sign, or x and y are exchanged, which rotates or mirrors them. Those that are another wiring are
+/// omitted.
+[[nodiscard]] std::vector<Reading> other_receiver_axes(const Site& site);
+/// Hypothesis that the beacons are mirrored: in a frame whose x and y are not as seen from above. Without
+/// poses and odometry, mirrored receivers have the same ranges.
+[[nodiscard]] std::vector<Reading> mirrored_map(const Site& site);
 
 /// Returns true if the site file gives the position of each beacon. A beacon without one can absorb a wrong
 /// scale of the others.

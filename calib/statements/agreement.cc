@@ -219,14 +219,25 @@ class Checker {
     return best;
   }
 
+  /// Cost without a move, adjusted in the same way as with one, because that may readmit arrivals by itself.
+  [[nodiscard]] double cost_without_move() {
+    if (!cost_without_move_) {
+      Fit again = fit_;
+      adjust_anew(options_, again);
+      cost_without_move_ = again.ok ? std::min(again.cost, fit_.cost) : fit_.cost;
+    }
+    return *cost_without_move_;
+  }
+
   bool moved(std::size_t b) {
     const std::optional<Move> best = likeliest_move(b);
-    if (!best || !(best->cost < most_cost_) || best->by_m.norm() < kMovedMatters * tolerance_m(problem_))
+    if (!best || !(best->cost < most_cost_) || best->by_m.norm() < kMovedMatters * tolerance_m(problem_) ||
+        2 * (cost_without_move() - best->cost) < least_gain_)
       return false;
     // The rejected arrivals must agree after the move; otherwise it is not the cause.
     const double left_out = 0.5 * options_.rejection_sigmas * options_.rejection_sigmas *
                             static_cast<double>(counts_[b].outliers());
-    const double regained = (fit_.cost - best->cost) / left_out;
+    const double regained = (cost_without_move() - best->cost) / left_out;
     if (regained < kRegained ||
         best->sigmas < (regained < kMostRegained ? kMovedSigmas : kMovedSigmasIfRegained))
       return false;
@@ -344,6 +355,7 @@ class Checker {
   double least_gain_;
   std::vector<PositionChange> changes_;  ///< of each beacon, by the arrivals in use
   double usual_ = 0.0, most_cost_ = INFINITY;
+  std::optional<double> cost_without_move_;
   Agreement out_;
 };
 
