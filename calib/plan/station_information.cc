@@ -224,6 +224,23 @@ Trajectory stop_trajectory(const Knowledge& k, const Pose& T_map_vehicle, const 
   return t;
 }
 
+/// Number of directions of a pose that move no receiver of the arrivals: turns about a single receiver, or
+/// about the line through all of them in space. Ranges need not determine these.
+int open_directions(const Trajectory& t, const SharedState& state) {
+  const Eigen::Index dimensions = t.motion == Motion::kPlanar ? 2 : 3;
+  if (t.arrivals.empty()) return 0;
+  const auto place = [&](const ArrivalObservation& a) -> Eigen::VectorXd {
+    return state.receiver_p_vehicle_m[a.receiver.index()].head(dimensions);
+  };
+  Eigen::MatrixXd apart(t.arrivals.size(), dimensions);
+  for (std::size_t i = 0; i < t.arrivals.size(); ++i)
+    apart.row(static_cast<Eigen::Index>(i)) = place(t.arrivals[i]) - place(t.arrivals.front());
+  if (apart.isZero()) return t.motion == Motion::kPlanar ? 1 : 3;
+  PivotedQr qr(apart);
+  qr.setThreshold(kPoseRank);
+  return t.motion == Motion::kSpatial && qr.rank() == 1 ? 1 : 0;
+}
+
 }  // namespace
 
 Result<Knowledge> knowledge_of(const Site& site) {
@@ -316,10 +333,11 @@ StopRows stop_rows(const Knowledge& k, const Eigen::Vector2d& position_m, double
       columns.push_back(entries.back().column[static_cast<std::size_t>(i)]);
   });
   const auto rows = static_cast<Eigen::Index>(entries.size());
-  if (rows <= t.block_size()) return out;
+  if (rows == 0) return out;
   PivotedQr qr(Jx.topRows(rows));
   qr.setThreshold(kPoseRank);
-  if (qr.rank() < t.block_size()) return out;
+  const auto determined = static_cast<Eigen::Index>(qr.rank());
+  if (rows <= determined || determined < t.block_size() - open_directions(t, k.state)) return out;
   std::ranges::sort(columns);
   columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
   Eigen::MatrixXd Js = Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(columns.size()));
@@ -331,7 +349,7 @@ StopRows stop_rows(const Knowledge& k, const Eigen::Vector2d& position_m, double
           entries[static_cast<std::size_t>(r)].value[at];
     }
   // Rows of Q' Js below those of the pose: the information that remains after its elimination.
-  out.A = qr.transposed_times(std::move(Js)).bottomRows(rows - t.block_size());
+  out.A = qr.transposed_times(std::move(Js)).bottomRows(rows - determined);
   out.columns = std::move(columns);
   return out;
 }

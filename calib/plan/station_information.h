@@ -69,7 +69,8 @@ struct StopRows {
   std::vector<std::size_t> arrivals;  ///< by beacon
   std::size_t arrival_count = 0;
 };
-/// Expected rows of a stop at x, y with a heading; no rows if the arrivals do not determine its pose.
+/// Expected rows of a stop at x, y with a heading; no rows if the arrivals do not determine where its
+/// receivers are.
 [[nodiscard]] StopRows stop_rows(const Knowledge& knowledge, const Eigen::Vector2d& position_m,
                                  double heading_rad, const StopModel& model);
 

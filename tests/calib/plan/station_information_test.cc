@@ -98,6 +98,28 @@ TEST(StationInformation, OnlyWhatIsSurelyHeardCounts) {
   EXPECT_EQ(calib::stop_rows(k, at, 0.0, model).arrivals, (std::vector<std::size_t>{0, 3, 0, 0}));
 }
 
+/// The heading about a single receiver changes no range, and its offset from the vehicle frame is no
+/// obstacle.
+TEST(StationInformation, ASingleReceiverNeedsNoHeading) {
+  Site site = small_site();
+  site.receivers.resize(1);
+  site.vehicles[0].receiver_count = 1;
+  const auto information = [&](double forward_m, double heading_rad) {
+    site.receivers[0].position_m = {forward_m, 0.0, site.receivers[0].position_m.z()};
+    const calib::Knowledge k = must(calib::knowledge_of(site));
+    const Eigen::Vector2d receiver_m(4.0, 2.0),
+        ahead_m = forward_m * Eigen::Vector2d(std::cos(heading_rad), std::sin(heading_rad));
+    const calib::StopRows rows = calib::stop_rows(k, receiver_m - ahead_m, heading_rad, {});
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(k.layout.size(), k.layout.size());
+    if (rows.A.rows() > 0) calib::add_information(rows, sum);
+    return Eigen::MatrixXd(sum(k.layout.beacon_columns(), k.layout.beacon_columns()));
+  };
+  const Eigen::MatrixXd at_centre = information(0.0, 0.0);
+  EXPECT_GT(at_centre.norm(), 0.0);
+  EXPECT_LT((information(0.2, 0.0) - at_centre).norm(), 1e-6 * at_centre.norm());
+  EXPECT_LT((information(0.2, 1.1) - at_centre).norm(), 1e-6 * at_centre.norm());
+}
+
 /// The ranges of one beacon do not determine a pose, and thus no shared parameter.
 TEST(StationInformation, NoRowsWhereThePoseIsNotTold) {
   const calib::Knowledge k = must(calib::knowledge_of(small_site()));
