@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
-// Private to io/: parts of the reader of gama-local documents.
+// Private to io/: parts of the readers of survey networks.
 
 #include <array>
 #include <map>
@@ -20,6 +20,11 @@ struct GamaAngle {
   double sigma_unit_rad = 0.0;  ///< unit of its standard deviation: 1e-4 gon, or a second of arc
 };
 [[nodiscard]] std::optional<GamaAngle> parse_gama_angle(const std::string& text);
+
+/// Network of an XML document; `path` is the name in messages.
+[[nodiscard]] Result<NetworkFile> parse_gama(const std::string& bytes, const std::string& path);
+/// Network of the text of a survey.yaml.
+[[nodiscard]] Result<NetworkFile> parse_survey(const std::string& text, const std::string& path);
 
 /// Standard deviations of observations that state none, as <points-observations> gives them.
 struct GamaSigmas {

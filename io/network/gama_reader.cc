@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
-#include <numbers>
-#include <set>
+#include <algorithm>
 #include <string_view>
 #include <utility>
 
@@ -18,17 +17,11 @@ namespace {
 void read_axes(const pugi::xml_node& network, NetworkFile& file, XmlLog& log) {
   const std::string axes = network.attribute("axes-xy") ? XmlLog::text(network, "axes-xy") : "ne";
   const std::string angles = network.attribute("angles") ? XmlLog::text(network, "angles") : "left-handed";
-  const std::set<std::string> clockwise = {"ne", "sw", "es", "wn"};
-  const std::set<std::string> counterclockwise = {"en", "nw", "se", "ws"};
-  if (!clockwise.contains(axes) && !counterclockwise.contains(axes))
+  if (std::ranges::count(kSurveyAxes, axes) == 0)
     return log.fail(network, fmt::format("axes-xy={}", in_quotes(axes)), "ne, sw, es, wn, en, nw, se or ws");
   if (angles != "left-handed" && angles != "right-handed")
     return log.fail(network, fmt::format("angles={}", in_quotes(angles)), "left-handed or right-handed");
-  file.angle_sign = clockwise.contains(axes) == (angles == "left-handed") ? 1.0 : -1.0;
-  file.north_rad = axes[0] == 'n'   ? 0.0
-                   : axes[0] == 's' ? std::numbers::pi
-                   : axes[1] == 'n' ? 0.5 * std::numbers::pi
-                                    : -0.5 * std::numbers::pi;
+  set_axes(file, axes, angles == "left-handed");
 }
 
 void read_parameters(const pugi::xml_node& node, NetworkFile& file, XmlLog& log) {
@@ -78,10 +71,8 @@ void read_network(const pugi::xml_node& network, NetworkFile& file, XmlLog& log)
 
 }  // namespace
 
-Result<NetworkFile> read_gama(const std::string& path) {
-  const Result<std::string> bytes = read_file(path, kLargestYaml);
-  if (!bytes) return fail(bytes.error());
-  const Result<std::string> text = xml_as_utf8(*bytes, path);
+Result<NetworkFile> parse_gama(const std::string& bytes, const std::string& path) {
+  const Result<std::string> text = xml_as_utf8(bytes, path);
   if (!text) return fail(text.error());
   XmlLog log(path, *text);
   pugi::xml_document document;
@@ -97,6 +88,12 @@ Result<NetworkFile> read_gama(const std::string& path) {
   if (!log.error) read_network(network, file, log);
   if (log.error) return fail(*log.error);
   return file;
+}
+
+Result<NetworkFile> read_gama(const std::string& path) {
+  const Result<std::string> bytes = read_file(path, kLargestYaml);
+  if (!bytes) return fail(bytes.error());
+  return parse_gama(*bytes, path);
 }
 
 }  // namespace octant::io

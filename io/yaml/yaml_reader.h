@@ -156,12 +156,11 @@ class YamlMap {
 /// The `version_key: 1` at the head of a file. Errors: missing, or another version, with the line.
 void check_version(YamlMap& root, std::string_view version_key, YamlLog& log);
 
-/// Reads a file of an Octant format: checks its version, then calls read(root, log, content). Unknown keys
-/// are warnings, if the content has any.
+/// Content of a document of an Octant format: checks its version, then calls read(root, log, content).
+/// Unknown keys are warnings, if the content has any.
 template <class Content, class Read>
-[[nodiscard]] Result<Content> read_yaml_content(const std::string& path, std::string_view version_key,
-                                                const Read& read) {
-  const Result<YamlNode> node = read_yaml(path);
+[[nodiscard]] Result<Content> yaml_content(const Result<YamlNode>& node, const std::string& path,
+                                           std::string_view version_key, const Read& read) {
   if (!node) return fail(node.error());
   YamlLog log(path);
   YamlMap root(*node, "", log);
@@ -172,6 +171,11 @@ template <class Content, class Read>
   if (log.error) return fail(*log.error);
   if constexpr (requires { content.warnings; }) content.warnings = std::move(log.warnings);
   return content;
+}
+template <class Content, class Read>
+[[nodiscard]] Result<Content> read_yaml_content(const std::string& path, std::string_view version_key,
+                                                const Read& read) {
+  return yaml_content<Content>(read_yaml(path), path, version_key, read);
 }
 
 /// A site from the content of a site file, or from the `site:` block of another file (then octant_site may be

@@ -89,6 +89,43 @@ TEST(Adjust, AgreesWithGamaInHeightsOfInstrumentAndTarget) {
                {1.2085648e+01, 1.5669703e+01, 2.7710840e+01});
 }
 
+/// Coordinates and sigmas of a network after its conversion are those before.
+TEST(Adjust, AgreesWithItselfAfterConversion) {
+  const TemporaryFolder box;
+  for (const std::string name :
+       {"ghilani_16_2", "wolf_free", "caspary_space", "krumm_dynamic", "baumann_space"}) {
+    const nlohmann::json before = adjusted(name + ".gkf");
+    const std::string yaml = box / (name + ".yaml");
+    const Outcome converted = octant(
+        {"convert", std::string(OCTANT_SOURCE_DIR) + "/tests/golden/networks/" + name + ".gkf", "-o", yaml});
+    ASSERT_EQ(converted.exit, 0) << converted.err;
+    const Outcome outcome = octant({"adjust", yaml, "--json"});
+    ASSERT_EQ(outcome.exit, 0) << outcome.err;
+    const nlohmann::json after = outcome.json();
+    EXPECT_EQ(after.at("redundancy"), before.at("redundancy"));
+    EXPECT_EQ(after.at("datum"), before.at("datum"));
+    EXPECT_NEAR(after.at("variance_factor").get<double>(), before.at("variance_factor").get<double>(), 1e-9);
+    ASSERT_EQ(after.at("points").size(), before.at("points").size());
+    for (std::size_t p = 0; p < before.at("points").size(); ++p)
+      for (const char* key : {"position_m", "sigma_m"})
+        for (std::size_t i = 0; i < 3; ++i) {
+          const nlohmann::json &a = after.at("points").at(p).at(key).at(i),
+                               &b = before.at("points").at(p).at(key).at(i);
+          ASSERT_EQ(a.is_null(), b.is_null()) << name << p << key << i;
+          if (!b.is_null()) EXPECT_NEAR(a.get<double>(), b.get<double>(), 1e-9) << name << p << key << i;
+        }
+  }
+}
+
+TEST(Adjust, NamesTheLineOfAnErrorInASurvey) {
+  const TemporaryFolder box;
+  spit(box / "s.yaml",
+       "octant_survey: 1\npoints:\n  - {id: A}\ndistances:\n  - {from: A, to: X, slope_m: 3}\n");
+  const Outcome o = octant({"adjust", box / "s.yaml", "--json"});
+  EXPECT_EQ(o.exit, 3) << o.out;
+  EXPECT_EQ(o.json().at("error").at("line"), 5);
+}
+
 class AdjustFile : public ::testing::Test {
  protected:
   Outcome adjust(const std::string& content, const std::string& before = "",

@@ -31,7 +31,7 @@ int fail_adjustment(const char* status, Exit exit, std::string message, std::str
 }
 
 AdjustedNetwork solved_network(const std::string& path, Session& session) {
-  AdjustedNetwork adjusted{need(io::read_gama(path)), {}};
+  AdjustedNetwork adjusted{need(io::read_network(path)), {}};
   const io::NetworkFile& file = adjusted.file;
   session.warn(file.warnings);
   adjusted.solved =
@@ -75,8 +75,8 @@ int adjust(const AdjustArgs& args, Session& session) {
         "undetermined", kUndetermined,
         fmt::format("The observations {} {}.", unlocated ? "do not locate" : "and the datum do not determine",
                     fmt::join(unlocated ? solved.unlocated : solved.undetermined, ", ")),
-        unlocated ? "give approximate coordinates in <point>, or add observations to located points"
-                  : "fix points, mark datum points with capital letters (adj=\"XY\"), or add observations",
+        unlocated ? "give approximate coordinates of a point, or add observations to located points"
+                  : "fix points, mark datum points (datum: xy; in XML adj=\"XY\"), or add observations",
         session);
   }
   if (solved.solution.status == calib::NetworkStatus::kNotConverged)
@@ -97,9 +97,9 @@ void add_adjust(CLI::App& app, CommonOptions& common, Action& action) {
   const auto [command, args] = add_command<AdjustArgs>(
       app, common, action, "adjust",
       "Adjust a survey network, or the ranges between the beacons of a site, without a vehicle",
-      "octant adjust network.gkf -o network.json", adjust);
-  add_required_option(*command, "network", args->network, "NET.gkf",
-                      "Network, in the XML format of GNU Gama; with recordings: the site file");
+      "octant adjust survey.yaml -o network.json", adjust);
+  add_required_option(*command, "network", args->network, "NETWORK",
+                      "Network: survey.yaml, or the XML format of GNU Gama; with recordings: the site file");
   add_option(*command, "run", args->runs, "RUN", "Run folders with ranges between beacons (beacon_tof.csv)");
   add_option(*command, "-o,--output", args->output, "RESULT.json",
              "Coordinates, covariance and residuals to write; - is standard output");

@@ -14,14 +14,18 @@ namespace octant::app {
 namespace {
 
 /// Files with names of their own, and the format that describes them.
-constexpr std::array<std::pair<const char*, const char*>, 21> kFileNames = {
-    {{"site.yaml", "site"},         {"tof.csv", "run"},          {"odometry.csv", "run"},
-     {"odometry.tum", "run"},       {"bearings.csv", "run"},     {"scans.csv", "run"},
-     {"points.csv", "run"},         {"poses.tum", "run"},        {"truth.csv", "run"},
-     {"truth.tum", "run"},          {"run.yaml", "run"},         {"deployment.json", "deployment"},
-     {"fixes.csv", "fixes"},        {"fixes.tum", "fixes"},      {"cells.csv", "survey"},
-     {"routes.csv", "survey"},      {"columns.yaml", "columns"}, {"topics.yaml", "topics"},
-     {"scenario.yaml", "scenario"}, {"sites.yaml", "batch"},     {"defaults.yaml", "defaults"}}};
+constexpr std::array<std::pair<const char*, const char*>, 22> kFileNames = {
+    {{"site.yaml", "site"},     {"tof.csv", "run"},
+     {"odometry.csv", "run"},   {"odometry.tum", "run"},
+     {"bearings.csv", "run"},   {"scans.csv", "run"},
+     {"points.csv", "run"},     {"poses.tum", "run"},
+     {"truth.csv", "run"},      {"truth.tum", "run"},
+     {"run.yaml", "run"},       {"deployment.json", "deployment"},
+     {"fixes.csv", "fixes"},    {"fixes.tum", "fixes"},
+     {"cells.csv", "survey"},   {"routes.csv", "survey"},
+     {"survey.yaml", "survey"}, {"columns.yaml", "columns"},
+     {"topics.yaml", "topics"}, {"scenario.yaml", "scenario"},
+     {"sites.yaml", "batch"},   {"defaults.yaml", "defaults"}}};
 
 constexpr std::array<const char*, 12> kFormats = {"site",   "run",     "deployment", "fixes",
                                                   "survey", "columns", "topics",     "scenario",

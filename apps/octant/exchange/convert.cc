@@ -15,6 +15,7 @@
 #include "io/import/foreign_logs.h"
 #include "io/import/pyfg.h"
 #include "io/import/vendor_logs.h"
+#include "io/network/network_file.h"
 #include "io/run/run_folder.h"
 #include "io/site/site_yaml.h"
 #include "io/table/mapping_text.h"
@@ -197,6 +198,24 @@ int convert_kit(const ConvertArgs& args, const std::string& format, Session& ses
   return finish_import(args, std::move(log), {}, format, session, understood);
 }
 
+/// Converts a survey network to a survey.yaml.
+int convert_network(const ConvertArgs& args, Session& session) {
+  check_no_overwriting({.inputs = {args.input}, .outputs = {args.output}});
+  const io::NetworkFile file = need(io::read_gama(args.input));
+  session.warn(file.warnings);
+  const std::string text = io::survey_to_yaml(file);
+  if (args.explain)
+    session.result(first_lines({args.input, text}));
+  else
+    need(io::write_file(args.output, text));
+  const std::size_t points = file.network.points.size(), observations = file.network.observations.size();
+  session.result(fmt::format("{:<17}{}: {} points, {} observations\n",
+                             args.explain ? "not written" : "survey", args.explain ? args.input : args.output,
+                             points, observations));
+  return session.finish(
+      {{"format", "gama"}, {"survey", args.output}, {"points", points}, {"observations", observations}});
+}
+
 /// Detects the format of a log if --format is not given.
 std::string format_of(const ConvertArgs& args) {
   if (args.format != "auto") return args.format;
@@ -204,6 +223,7 @@ std::string format_of(const ConvertArgs& args) {
   if (!args.topics.empty() || io::is_bag(args.input)) return "bag";
   if (!args.site.empty()) return "counters";
   if (io::is_carmen_log(args.input)) return "carmen";
+  if (io::is_gama(args.input)) return "gama";
   if (io::is_pyfg(args.input)) return "pyfg";
   const std::string kit = io::kit_of(args.input);
   return kit.empty() ? "table" : kit;
@@ -215,6 +235,7 @@ int run(const ConvertArgs& args, Session& session) {
   const std::string format = format_of(args);
   if (format == "table") return convert_table(args, session);
   if (format == "bag") return convert_bag(args, session);
+  if (format == "gama") return convert_network(args, session);
   if (std::ranges::count(kKits, format) > 0) return convert_kit(args, format, session);
   if (format != "carmen" && args.site.empty())
     fail_usage(fmt::format("--format {} needs --site", format), "the site file names beacons and receivers");
@@ -330,7 +351,7 @@ void add_counter_options(CLI::App& command, ConvertArgs& args) {
 }
 
 std::vector<std::string> formats() {
-  std::vector<std::string> all = {"auto", "table", "bag", "carmen", "counters", "pulses"};
+  std::vector<std::string> all = {"auto", "table", "bag", "carmen", "counters", "pulses", "gama"};
   all.insert(all.end(), std::begin(kKits), std::end(kKits));
   return all;
 }
@@ -343,12 +364,16 @@ void add_convert(CLI::App& app, CommonOptions& common, Action& action) {
       *command, "input", args->input, "INPUT",
       "Table (CSV, also .gz, .zst, UTF-16); CARMEN log; ROS 2 bag (.mcap, .db3, or its folder); a kit's log; "
       "counter log (time_s, "
-      "beacon, counts; epoch, receiver); pulse log (time_s, channel, duration_s, amplitude_v)");
-  add_option(*command, "-o,--output", args->output, "RUN", "Run folder to write");
+      "beacon, counts; epoch, receiver); pulse log (time_s, channel, duration_s, amplitude_v); survey "
+      "network "
+      "of GNU Gama (.gkf)");
+  add_option(*command, "-o,--output", args->output, "RUN",
+             "Run folder to write; of a survey network: survey.yaml");
   // Set afterwards, because the description names the default.
   add_option(
       *command, "--format", args->format, "FORMAT",
-      "auto, table, bag, carmen, counters, pulses, pyfg (graphs of PyFactorGraph), or the log of a kit: "
+      "auto, table, bag, carmen, counters, pulses, gama (survey network), pyfg (graphs of PyFactorGraph), or "
+      "the log of a kit: "
       "marvelmind (the dashboard's CSV), crazyflie (the client's CSV of two-way ranging), dwm1001 (les or "
       "lec lines), trek1000 (mc or mr lines), makerfabs (JSON or AT+RANGE lines), pozyx (lines of ms, mm, "
       "dBm) or linktrack (frames); auto: by content, counters where --site is given")

@@ -12,6 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "io/network/network_file.h"
 #include "io/run/run_folder.h"
 #include "io/schema/schema.h"
 #include "io/site/scene_yaml.h"
@@ -131,6 +132,26 @@ TEST(SchemaKeys, OfASceneAreKnownToItsReader) {
                  return read->warnings;
                },
                {{"patterns[].exponent", power}, {"patterns[].angle_rad", table}, {"patterns[].gain", table}});
+}
+
+TEST(SchemaKeys, OfASurveyAreKnownToItsReader) {
+  const TemporaryFolder folder;
+  const auto points = KeysJson::parse(R"({"points": [{"id": "P1", "position_m": [0, 0, 0], "fixed": "xyz"},
+    {"id": "A"}, {"id": "B"}, {"id": "B1"}, {"id": "B2"}]})");
+  const auto correlated = KeysJson::parse(R"({"distances": [
+    {"id": "o1", "from": "A", "to": "B", "slope_m": 5, "sigma_m": 0.1},
+    {"id": "o2", "from": "A", "to": "B", "slope_m": 5, "sigma_m": 0.1}]})");
+  auto survey = points;
+  survey["octant_survey"] = 1;
+  expect_known("survey", survey,
+               [&](const std::string& text) -> Warnings {
+                 const auto read = read_survey(folder.write("survey.yaml", text));
+                 if (!read) return std::nullopt;
+                 return read->warnings;
+               },
+               {{"correlations", correlated},
+                {"correlations[].observations", correlated},
+                {"correlations[].correlation", correlated}});
 }
 
 TEST(SchemaKeys, OfARunAreKnownToItsReader) {

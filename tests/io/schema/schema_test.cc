@@ -56,7 +56,11 @@ bool is_number(const nlohmann::json& key, const nlohmann::json& root) {
 /// Unit in words from the suffix of a key's name: "m/s" for speed_mps; empty without a suffix.
 std::string unit_of_key(const std::string& key) {
   using Unit = std::pair<std::string_view, std::string_view>;
-  static constexpr std::array<Unit, 26> kUnits = {{{"_m_per_sqrt_m", "m per root of m"},
+  static constexpr std::array<Unit, 30> kUnits = {{{"_m_per_sqrt_m", "m per root of m"},
+                                                   {"_m_per_sqrt_km", "m per root of km"},
+                                                   {"_gon", "gon"},
+                                                   {"_deg", "deg"},
+                                                   {"_km", "km"},
                                                    {"_rad_per_m", "rad/m"},
                                                    {"_rad_per_sqrt_m", "rad per root of m"},
                                                    {"_rad_per_s2", "rad/s2"},
@@ -156,6 +160,7 @@ TEST(Schema, APageHasARowForEachKeyAndColumn) {
   EXPECT_THAT(deployment, testing::HasSubstr("| `statistics.redundancy` | 1 | required | `1711` |"));
   EXPECT_THAT(deployment, testing::HasSubstr("a reader refuses one that it does not know"));
   EXPECT_THAT(schema_page("survey"), testing::HasSubstr("| `heading_dop_rad_per_m` | rad/m |  | `8.1` |"));
+  EXPECT_THAT(schema_page("survey"), testing::HasSubstr("| `stations[].sights[].slope_m` | m |"));
   EXPECT_THAT(schema_page("columns"),
               testing::HasSubstr("| `columns.distance_m` | m |  | `distance_cm*1e-2` |"));
   EXPECT_THAT(fixes, testing::HasSubstr("| `protection_level_m` | m | required | `0.041` | bound that"));
