@@ -15,9 +15,6 @@
 namespace octant::calib {
 namespace {
 
-/// Noise, in units of the stated one, from which the start is repeated for it.
-constexpr double kFarLargerNoise = 2.0;
-
 class Calibrator {
  public:
   Calibrator(CalibrationLog& log, const SolveOptions& options, ProgressMonitor& monitor)
@@ -147,16 +144,7 @@ class Calibrator {
     const bool are_posed =
         std::ranges::any_of(runs, [](const MeasurementLog& run) { return !run.poses.empty(); });
     if (is_far_off(sigma) && (sigma > 1 || !are_posed)) log_.scale_noise(estimate_, {.arrivals = sigma});
-    auto squares = adjust_and_scale_noise();
-    if (!squares || estimate_.noise_factor < kFarLargerNoise) return squares;
-    // The start ended with a loss for the stated noise, which may have rejected what agrees.
-    const auto is_better = log_.adjust_robustly(estimate_);
-    if (!is_better) return fail(is_better.error());
-    return *is_better ? adjust_and_scale_noise() : squares;
-  }
-
-  Result<DataSquares> adjust_and_scale_noise() {
-    return calib::adjust_and_scale_noise(
+    return adjust_and_scale_noise(
         [this] { return log_.adjust_inliers(estimate_); },
         [this](const NoiseFactors& factors) { log_.scale_noise(estimate_, factors); });
   }

@@ -39,9 +39,6 @@ class CalibrationLog {
   /// readmitted until neither they nor the parameters change.
   /// @return the squares with the present noise
   [[nodiscard]] virtual Result<DataSquares> adjust_inliers(Estimate& estimate) = 0;
-  /// Adjusts all arrivals again with Cauchy's loss at the present noise. Returns true, with the result, if
-  /// that costs less than the estimate; a log that is read does not try.
-  [[nodiscard]] virtual Result<bool> adjust_robustly(Estimate& /*estimate*/) { return false; }
   /// Rescales the noise by a factor.
   virtual void scale_noise(Estimate& estimate, const NoiseFactors& factors) = 0;
 

@@ -9,7 +9,6 @@
 #include "calib/adjust/priors.h"
 #include "calib/adjust/reject.h"
 #include "calib/problem/flips.h"
-#include "calib/start/mirror_images.h"
 #include "calib/stream/long_log.h"
 #include "calib/verdict/left_out.h"
 
@@ -18,8 +17,6 @@ namespace {
 
 /// If a beacon is hardly determined, the last adjustment moves slowly along a curved valley, but converges.
 constexpr int kIterationsToRest = 4;
-/// Loss scale at which arrivals count that a solution for too small a noise rejected.
-constexpr double kRobustScale = 20.0;
 
 }  // namespace
 
@@ -65,26 +62,6 @@ Result<DataSquares> HeldLog::adjust_inliers(Estimate& estimate) {
                       statistics_->redundancy};
   for (const Trajectory& t : trajectories_) squares.poses.add(squares_of_poses(t, estimate.state()));
   return squares;
-}
-
-double HeldLog::consensus_cost(const Estimate& estimate) {
-  return consensus_cost_of(problem_, {estimate, trajectories_}, options_.rejection_sigmas).total();
-}
-
-Result<bool> HeldLog::adjust_robustly(Estimate& estimate) {
-  const Estimate before = estimate;
-  const std::vector<Trajectory> trajectories = trajectories_;
-  const double cost = consensus_cost(estimate);
-  readmit_all(trajectories_, estimate.beacon_usable);
-  for (const double scale : {kRobustScale, kCauchyScale}) {
-    estimate.last =
-        adjust(problem_, estimate.layout, trajectories_, estimate.x, monitor_.adjust_options(scale, 1e-8));
-    if (estimate.last.interrupted) return interrupted();
-  }
-  if (consensus_cost(estimate) < cost) return true;
-  estimate = before;
-  trajectories_ = trajectories;
-  return false;
 }
 
 bool HeldLog::adjust_to_rest(Estimate& estimate) {

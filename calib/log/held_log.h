@@ -25,14 +25,11 @@ class HeldLog : public CalibrationLog {
   [[nodiscard]] Result<Sample> next_sample() override;
   [[nodiscard]] Result<double> place(Approach& start, double sigma) override;
   [[nodiscard]] Result<DataSquares> adjust_inliers(Estimate& estimate) override;
-  [[nodiscard]] Result<bool> adjust_robustly(Estimate& estimate) override;
   void scale_noise(Estimate& estimate, const NoiseFactors& factors) override;
   [[nodiscard]] Result<Findings> findings(const Estimate& estimate) override;
   void resume(const std::vector<Trajectory>& trajectories) override;
 
  private:
-  /// Cost of the estimate at which rejected arrivals count with their squares at the limit of rejection.
-  [[nodiscard]] double consensus_cost(const Estimate& estimate);
   bool adjust_to_rest(Estimate& estimate);
   [[nodiscard]] CalibrationStatistics statistics(const Estimate& estimate) const;
 

@@ -77,29 +77,5 @@ TEST(HeldLog, AdjustsTheArrivalsThatAgree) {
   EXPECT_EQ(used, found.statistics.arrivals);
 }
 
-// A robust adjustment costs more than the least squares of the arrivals that agree, unless these were led
-// away.
-TEST(HeldLog, KeepsARobustAdjustmentThatCostsLess) {
-  const World world = hall(60, 3);
-  const calib::Problem problem = problem_of(world);
-  const calib::SolveOptions options;
-  calib::ProgressMonitor monitor(options);
-  calib::HeldLog log(problem, options, monitor);
-  const auto sample = must(log.next_sample());
-  calib::Approach start = calib::approach(*sample.problem, options, monitor);
-  ASSERT_TRUE(start.ok);
-  static_cast<void>(must(log.place(start, 1.0)));
-  calib::Estimate estimate = start.estimate;
-  static_cast<void>(must(log.adjust_inliers(estimate)));
-  const calib::Estimate best = estimate;
-  EXPECT_FALSE(must(log.adjust_robustly(estimate)));
-  EXPECT_EQ(estimate.x, best.x);
-  const int x_of_beacon = estimate.layout.beacon.back()[0];
-  ASSERT_GE(x_of_beacon, 0);
-  estimate.x[x_of_beacon] += 0.1;
-  EXPECT_TRUE(must(log.adjust_robustly(estimate)));
-  EXPECT_NEAR(estimate.x[x_of_beacon], best.x[x_of_beacon], 0.01);
-}
-
 }  // namespace held_log_test
 }  // namespace octant::test
