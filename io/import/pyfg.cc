@@ -48,6 +48,7 @@ class PyfgReader {
       std::erase_if(line.words, [](std::string_view word) { return word.empty(); });
       if (auto read = read_line(line); !read) return fail(read.error());
     }
+    order_steps();
     join_odometry();
     for (const auto& [what, count] : left_out_)
       log_.warnings.push_back(fmt::format("{}: {} {} are left out", log_.path, count, what));
@@ -126,6 +127,27 @@ class PyfgReader {
     return {};
   }
 
+  /// Sorts the steps by their vertices; a repeated step counts once. Warns of vertices without a step.
+  void order_steps() {
+    if (order_of_.empty()) return;
+    const auto place = [this](const Step& step) {
+      const auto known = order_of_.find(step.from);
+      return known != order_of_.end() ? known->second : order_of_.size();
+    };
+    std::ranges::stable_sort(steps_, {}, place);
+    const auto same = [](const Step& a, const Step& b) { return a.from == b.from && a.to == b.to; };
+    const auto repeated = std::ranges::unique(steps_, same);
+    if (!repeated.empty()) left_out_["repeated edges of the odometry"] = repeated.size();
+    steps_.erase(repeated.begin(), repeated.end());
+    const auto apart = [](const Step& a, const Step& b) { return a.to != b.from; };
+    const auto gap = std::ranges::adjacent_find(steps_, apart);
+    if (gap == steps_.end()) return;
+    log_.warnings.push_back(
+        fmt::format("{}: the odometry has no edge from {} to {}; the motion between them is unknown and is "
+                    "left out, there and at other gaps",
+                    log_.path, gap->to, std::next(gap)->from));
+  }
+
   /// True for a step to the next vertex. Without vertices, steps follow each other and reach new poses.
   bool is_next(const Step& step) {
     const auto from = order_of_.find(step.from), to = order_of_.find(step.to);
@@ -172,7 +194,12 @@ class PyfgReader {
     };
     TimedPose pose{time_of(steps_.front().from, steps_.front().time_s), {}};
     log_.odometry.push_back(pose);
-    for (const Step& step : steps_) {
+    for (std::size_t i = 0; i < steps_.size(); ++i) {
+      const Step& step = steps_[i];
+      if (i > 0 && steps_[i - 1].to != step.from) {
+        pose.time_s = time_of(step.from, step.time_s);
+        log_.odometry.push_back(pose);
+      }
       pose.T_map_vehicle = pose.T_map_vehicle * step.T_from_to;
       pose.time_s = time_of(step.to, step.time_s);
       log_.odometry.push_back(pose);

@@ -13,7 +13,6 @@
 #include "io/import/mapping_words.h"
 #include "io/run/last_row.h"
 #include "io/text/csv.h"
-#include "io/text/open_file.h"
 #include "io/text/text.h"
 #include "io/text/time_text.h"
 
@@ -159,10 +158,10 @@ Result<ImportedLog> read_marvelmind_log(const std::string& path, const VendorLog
 }
 
 Result<ImportedLog> read_crazyflie_log(const std::string& path, const VendorLogOptions& options) {
-  const auto map = MappedFile::open(path);
-  if (!map) return fail(map.error());
+  const auto text = DecodedText::open(path);
+  if (!text) return fail(text.error());
   VendorRows rows(path, options);
-  CsvReader csv(without_cut_row(map->text(), path, rows.log.warnings), path);
+  CsvReader csv(without_cut_row(text->text(), path, rows.log.warnings), path);
   const int upper = csv.find("Timestamp"), time = upper >= 0 ? upper : csv.require("timestamp");
   const int state = csv.find("ranging.state");
   int distance[kAnchors];

@@ -170,6 +170,14 @@ Result<UnitConversion> unit_of_column(std::string_view name, std::string_view ta
   return refuse(fmt::format("column {} is in {}", in_quotes(name), in_quotes(unit->name)));
 }
 
+double factor_of_doubtful_unit(std::string_view name, std::string_view target) {
+  const std::size_t at = name.find_last_of("_ ./-");
+  const Unit* unit = at == std::string_view::npos || at == 0 ? nullptr : unit_named(name.substr(at + 1));
+  const bool doubtful = unit != nullptr && !unit->clear && unit_at_end(name).unit == nullptr &&
+                        unit->quantity == target.substr(target.rfind('_') + 1);
+  return doubtful ? unit->conversion.factor : 1.0;
+}
+
 std::string_view without_unit(std::string_view name) {
   if (!bracketed(name).empty()) return without_blanks(name.substr(0, name.find_last_of("[({<")));
   if (const UnitAtEnd end = unit_at_end(name);

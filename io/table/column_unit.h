@@ -26,4 +26,8 @@ struct UnitConversion {
 /// True for a unit alone, with or without brackets.
 [[nodiscard]] bool is_unit(std::string_view text);
 
+/// The factor of a unit behind an underscore that may be another word too ("time_min", "distance_in"), and
+/// is therefore not used; 1 without one.
+[[nodiscard]] double factor_of_doubtful_unit(std::string_view name, std::string_view target);
+
 }  // namespace octant::io

@@ -238,6 +238,13 @@ std::string mapping_to_words(const TableMapping& mapping) {
   return words.find_first_of(" #{}()[]*;&'\"") == std::string::npos ? words : "'" + words + "'";
 }
 
+std::string mapping_to_options(const TableMapping& mapping) {
+  std::string options = "--columns " + mapping_to_words(mapping);
+  if (!mapping.time_format.empty()) options += " --time-format " + mapping.time_format;
+  if (!mapping.decimal.empty()) options += " --decimal " + mapping.decimal;
+  return options;
+}
+
 std::string mapping_to_yaml(const TableMapping& mapping) {
   YamlWriter yaml;
   yaml.begin_map(false);

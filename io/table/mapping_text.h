@@ -24,6 +24,9 @@ namespace octant::io {
 [[nodiscard]] std::string mapping_to_yaml(const TableMapping& mapping);
 /// The argument of --columns for a mapping.
 [[nodiscard]] std::string mapping_to_words(const TableMapping& mapping);
+
+/// Options of `octant convert` for the columns and for the formats of times and numbers.
+[[nodiscard]] std::string mapping_to_options(const TableMapping& mapping);
 /// Error of a mapping that names no beacon or no value, or several columns for one of tof.csv. A table
 /// without a time has a period.
 [[nodiscard]] Result<void> check_mapping(const TableMapping& mapping);

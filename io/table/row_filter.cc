@@ -50,7 +50,10 @@ bool RowFilter::accepts(const std::vector<std::string>& cells, DecimalMark decim
   return std::ranges::all_of(conditions_, [&](const Condition& c) {
     const std::string cell = c.cell < cells.size() ? cells[c.cell] : "";
     double have = 0.0, want = 0.0;
-    const bool numbers = cell_number(cell, decimal, have) && cell_number(c.condition.value, decimal, want);
+    const bool wants_number = cell_number(c.condition.value, decimal, want);
+    const bool numbers = wants_number && cell_number(cell, decimal, have);
+    if (wants_number && !numbers && c.condition.relation.find_first_of("<>") != std::string::npos)
+      return false;
     return meets(c.condition.relation,
                  numbers ? have <=> want : lower_case(cell) <=> lower_case(c.condition.value));
   });

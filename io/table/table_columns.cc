@@ -109,8 +109,12 @@ class ColumnFinder {
       double value = 0.0;
       return cell >= row.size() || cell_number(row[cell], layout_.decimal, value);
     });
+    const bool compact = std::ranges::all_of(layout_.rows, [&](const auto& row) {  // 20260611 and 113348
+      return cell < row.size() && *out_.time_cell < row.size() &&
+             time_of_text(row[*out_.time_cell] + " " + row[cell]);
+    });
     const auto unit = unit_of_column(layout_.names[cell], "time_s");
-    if (numbers && unit) out_.below_unit_s = unit->factor;
+    if (numbers && !compact && unit) out_.below_unit_s = unit->factor;
   }
 
   Result<void> find_time() {
@@ -180,6 +184,47 @@ std::string TableColumns::time_text(const std::vector<std::string>& cells) const
   std::string text = *time_cell < cells.size() ? cells[*time_cell] : "";
   if (clock_cell && !below_unit_s && *clock_cell < cells.size()) text += " " + cells[*clock_cell];
   return text;
+}
+
+std::vector<std::string> notes_of_units(const TableColumns& columns, const TableMapping& mapping,
+                                        const std::vector<ImportedArrival>& arrivals) {
+  constexpr double kFar_m = 200.0, kLong_s = 1.0;  // beyond the reach of radio and ultrasound indoors
+  std::vector<std::string> notes;
+  bool is_stated = false;
+  for (const TableColumn& column : columns.all) {
+    const bool has_format = column.target->name == "time_s" && !mapping.time_format.empty();
+    const bool has_factor = has_format || std::ranges::any_of(mapping.columns, [&](const ColumnRule& rule) {
+                              return rule.target == column.target->name && rule.factor.has_value();
+                            });
+    if (column.is_value()) is_stated = is_stated || has_factor || without_unit(column.name) != column.name;
+    const double factor = factor_of_doubtful_unit(column.name, column.target->name);
+    if (factor != 1.0 && !has_factor)
+      notes.push_back(
+          fmt::format(": column {} is used without a unit; if its name states one, add the "
+                      "factor: --columns {}={}*{}",
+                      in_quotes(column.name), column.target->short_name, column.name, exact(factor)));
+  }
+  std::vector<double> values;
+  for (const ImportedArrival& a : arrivals)
+    if (std::isfinite(a.value)) values.push_back(a.value);
+  if (values.empty()) return notes;
+  const bool distances = arrivals.front().is_distance;
+  const bool whole = distances && std::ranges::all_of(values, [](double v) { return v == std::floor(v); });
+  std::ranges::sort(values);
+  const double median = values[values.size() / 2];
+  if (whole && values.back() >= kFar_m) {
+    notes.push_back(
+        fmt::format(": the distances are whole numbers up to {}, used as metres; if they are millimetres, "
+                    "state it as in --columns distance=COLUMN*1e-3",
+                    exact(values.back())));
+  } else if (!is_stated && median > (distances ? kFar_m : kLong_s)) {
+    notes.push_back(fmt::format(
+        ": the median of the {} is {}, used as {}; if they have another unit, state "
+        "it as in --columns {}",
+        distances ? "distances" : "times of flight", exact(median), distances ? "metres" : "seconds",
+        distances ? "distance=COLUMN*1e-3" : "tof=COLUMN*1e-9"));
+  }
+  return notes;
 }
 
 Result<TableColumns> columns_of(const TableLayout& layout, const std::string& path,

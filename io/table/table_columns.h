@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "io/import/imported_log.h"
 #include "io/table/table_layout.h"
 #include "io/table/table_time.h"
 
@@ -45,5 +46,11 @@ struct ColumnSource {
 /// known.
 [[nodiscard]] Result<TableColumns> columns_of(const TableLayout& layout, const std::string& path,
                                               const TableMapping& mapping, ColumnSource source);
+
+/// Warnings about columns whose unit is not stated: names that may end with a unit, and values that no
+/// deployment has.
+[[nodiscard]] std::vector<std::string> notes_of_units(const TableColumns& columns,
+                                                      const TableMapping& mapping,
+                                                      const std::vector<ImportedArrival>& arrivals);
 
 }  // namespace octant::io

@@ -161,25 +161,37 @@ class ColumnGuess {
     const Column* best = nullptr;
     for (const Column& column : columns_)
       if (rank_as_time(column) > (best == nullptr ? 0 : rank_as_time(*best))) best = &column;
+    if (best == nullptr) return false;
     const auto date = std::ranges::find_if(columns_, &Column::is_date);
-    if (best != nullptr && best->is_time() && date != columns_.end() && is_time_of_day(*best)) {
-      mapping_.columns.push_back({"time_s", layout_.names[date->index] + "+" + layout_.names[best->index]});
-      used_.insert({date->index, best->index});
-      lines_.push_back(fmt::format("time: {} and {}", words_of(*date), words_of(*best)));
-      return true;
-    }
+    if (best->is_time() && date != columns_.end() && is_time_of_day(*best)) return add_time(*date, *best);
+    for (const Column& day : columns_)
+      for (const Column& clock : columns_)
+        if ((best == &day || best == &clock) && are_compact(day, clock)) return add_time(day, clock);
     const auto below = std::ranges::find_if(columns_, [this](const Column& column) {
       return column.is_number() && is_part_of_second(layout_.names[column.index]);
     });
-    if (best != nullptr && best->is_number() && best->fractions == 0 && below != columns_.end() &&
-        below->index != best->index && is_seconds(layout_.names[best->index])) {
-      mapping_.columns.push_back({"time_s", layout_.names[best->index] + "+" + layout_.names[below->index]});
-      used_.insert({below->index, best->index});
-      lines_.push_back(fmt::format("time: {} and {}", words_of(*best), words_of(*below)));
-      return true;
-    }
-    if (best != nullptr) add("time", *best);
-    return best != nullptr;
+    if (best->is_number() && best->fractions == 0 && below != columns_.end() && below->index != best->index &&
+        is_seconds(layout_.names[best->index]))
+      return add_time(*best, *below);
+    add("time", *best);
+    return true;
+  }
+  /// Adds a time in two columns.
+  bool add_time(const Column& first, const Column& second) {
+    mapping_.columns.push_back({"time_s", layout_.names[first.index] + "+" + layout_.names[second.index]});
+    used_.insert({first.index, second.index});
+    lines_.push_back(fmt::format("time: {} and {}", words_of(first), words_of(second)));
+    return true;
+  }
+  /// True for dates and times of day without separators: 20260611 and 113348.
+  [[nodiscard]] bool are_compact(const Column& day, const Column& clock) const {
+    if (layout_.header_line == 0 || day.index == clock.index || !day.is_number() || !clock.is_number() ||
+        clock.meaning.role != ColumnRole::kTime || layout_.rows.empty())
+      return false;
+    return std::ranges::all_of(layout_.rows, [&](const auto& row) {
+      return day.index < row.size() && clock.index < row.size() && row[day.index].size() == 8 &&
+             time_of_text(row[day.index] + " " + row[clock.index]).has_value();
+    });
   }
   /// "secs", "field.header.stamp.secs" with "nsecs": the two parts of a time in ROS.
   [[nodiscard]] static bool is_seconds(const std::string& name) {

@@ -92,22 +92,27 @@ class TableReader {
   }
 
   Result<void> find_columns() {
+    std::vector<std::string> lines;
     own_ = stated_.columns.empty() && is_own_header(layout_.names);
     if (own_) {
       out_.mapping = with_own_names(layout_.names, stated_);
     } else if (stated_.columns.empty()) {
-      std::vector<std::string> lines;
       auto guessed = guess_columns(layout_, path_, stated_, lines);
       if (!guessed) return fail(guessed.error());
       out_.mapping = std::move(*guessed);
       out_.understood.insert(out_.understood.end(), lines.begin(), lines.end());
-      out_.guessed.push_back(fmt::format("{} (otherwise: --columns {})", fmt::join(lines, "; "),
-                                         mapping_to_words(out_.mapping)));
     }
     const auto columns = columns_of(layout_, path_, out_.mapping,
                                     {.of_tof_csv = own_, .are_guessed = stated_.columns.empty()});
     if (!columns) return fail(columns.error());
     columns_ = *columns;
+    keep_formats();
+    if (!lines.empty())
+      out_.guessed.push_back(
+          fmt::format("{} (otherwise: {})", fmt::join(lines, "; "), mapping_to_options(out_.mapping)));
+    for (const std::string& name : unused_dates())
+      out_.log.warnings.push_back(
+          fmt::format("{}: the dates in column {} are not used", path_, in_quotes(name)));
     clock_ = ContinuedClock(columns_.time.clock);
     if (columns_.time_cell)
       understood(
@@ -118,6 +123,13 @@ class TableReader {
     if (!filter) return fail(filter.error());
     filter_ = std::move(*filter);
     return {};
+  }
+
+  /// Adds the recognised format of times and numbers to the mapping, so that it reads the table alike.
+  void keep_formats() {
+    if (out_.mapping.time_format.empty()) out_.mapping.time_format = columns_.time.format;
+    if (out_.mapping.decimal.empty() && layout_.decimal == DecimalMark::kComma)
+      out_.mapping.decimal = "comma";
   }
 
   Result<void> read_rows(std::string_view text) {
@@ -149,6 +161,17 @@ class TableReader {
       if (!used && !layout_.names[i].empty()) unused.push_back(layout_.names[i]);
     }
     return unused;
+  }
+
+  [[nodiscard]] std::vector<std::string> unused_dates() const {
+    std::vector<std::string> dates = unused_columns();
+    std::erase_if(dates, [this](const std::string& name) {
+      const auto cell = static_cast<std::size_t>(column_named(layout_, name));
+      return layout_.rows.empty() || !std::ranges::all_of(layout_.rows, [cell](const auto& row) {
+               return cell < row.size() && is_date(row[cell]);
+             });
+    });
+    return dates;
   }
 
   /// False for a line that is no row: another number of cells than the columns that are read need or the
@@ -211,8 +234,7 @@ class TableReader {
           fmt::format("{} in column {}", in_quotes(cell), in_quotes(layout_.names[*columns_.time_cell])),
           "a number, or a date and time such as 2026-06-11 11:33:48.686", advice_for(cell));
     if (!value || !std::isfinite(*value)) return std::nan("");
-    const double stated_s = seconds_of_stamp(*value);
-    stamps_ = stamps_ || stated_s != *value;
+    const double stated_s = *value;
     const double time_s = begun_ ? clock_.continued(stated_s, last_time_s_, line_) : stated_s;
     begun_ = true;
     unit_.add(time_s);
@@ -243,7 +265,11 @@ class TableReader {
       if (target == "amplitude_v") row.amplitude_v = *value;
       if (target == "temperature_degC") row.temperature_degC = *value;
       if (target == "received_s")
-        row.received_after_s = seconds_of_stamp(*value) + continued_by_s_ - row.time_s;
+        row.received_after_s =
+            (column.unit.factor == 1.0 && !columns_.time.format.empty()
+                 ? columns_.time.seconds(cell(column), layout_.decimal).value_or(std::nan(""))
+                 : seconds_of_stamp(*value)) +
+            continued_by_s_ - row.time_s;
     }
     if (!columns_.one_each && beacon.empty()) return ++dropped_, Result<void>();
     for (const TableColumn& column : columns_.all) {
@@ -292,22 +318,6 @@ class TableReader {
     return stops_.number_of(cell);
   }
 
-  /// A warning about whole distances that no name has a unit for; metres have decimals.
-  [[nodiscard]] std::optional<std::string> unit_of_distances() const {
-    constexpr double kFar_m = 200.0;  // beyond the reach of radio and ultrasound indoors
-    double largest_m = 0.0;
-    for (const ImportedArrival& a : out_.log.arrivals) {
-      if (!a.is_distance || (std::isfinite(a.value) && a.value != std::floor(a.value))) return std::nullopt;
-      if (std::isfinite(a.value)) largest_m = std::max(largest_m, a.value);
-    }
-    if (largest_m < kFar_m || out_.mapping.columns.empty()) return std::nullopt;
-    return fmt::format(
-        ": the distances are whole numbers up to {}, used as metres; if they are millimetres, state it as in "
-        "--columns "
-        "distance=COLUMN*1e-3",
-        exact(largest_m));
-  }
-
   Result<void> finish() {
     auto& log = out_.log;
     const std::size_t rows = log.arrivals.size() + log.not_heard + log.ignored_rows() + dropped_ + filtered_;
@@ -325,7 +335,7 @@ class TableReader {
                        first_left_out_, left_out_, left_out_text_));
     if (filtered_ > 0) warn(fmt::format(": {} rows are left out by the conditions", filtered_));
     if (const auto restarts = clock_.note(path_)) log.warnings.push_back(*restarts);
-    if (stamps_)
+    if (columns_.time.is_stamp)
       warn(
           ": times beyond 1e11 s are time stamps since 1970 in milliseconds, microseconds or nanoseconds; "
           "they were converted to seconds");
@@ -339,7 +349,7 @@ class TableReader {
           fmt::format("no measurement: {} cells with 0, -1 or another number that no distance is close to",
                       without_value_),
           stated_.no_value.empty() ? "--no-value none" : "");
-    if (const auto unit = unit_of_distances()) warn(*unit);
+    for (const std::string& note : notes_of_units(columns_, out_.mapping, log.arrivals)) warn(note);
     if (stated_.columns.empty() && !own_) {
       if (std::ranges::none_of(columns_.all, [](const TableColumn& c) { return !c.receiver.empty(); }))
         remove_only_receiver(log);
@@ -361,7 +371,7 @@ class TableReader {
   std::size_t row_number_ = 0, left_out_ = 0, filtered_ = 0, untimed_ = 0, dropped_ = 0, without_value_ = 0;
   std::string left_out_text_;
   double last_time_s_ = 0.0, continued_by_s_ = 0.0;
-  bool own_ = false, begun_ = false, stamps_ = false, named_stops_ = false, too_many_names_ = false;
+  bool own_ = false, begun_ = false, named_stops_ = false, too_many_names_ = false;
 };
 
 }  // namespace

@@ -27,7 +27,8 @@ struct ColumnRule {
 struct RowCondition {
   std::string column;    ///< its name, or its number ("#3")
   std::string relation;  ///< = != < <= > >=
-  std::string value;     ///< compared as a number if both are numbers, otherwise as text
+  std::string value;     ///< compared as a number if both are numbers, otherwise as text; no text is less or
+                         ///< more than a number
 };
 
 struct TableMapping {

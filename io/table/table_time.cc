@@ -73,6 +73,7 @@ void read_dates(const std::vector<std::string>& cells, TimeColumn& column) {
                day = all_are_times(cells, DateOrder::kDayFirst);
     column.order = day && !month ? DateOrder::kDayFirst : DateOrder::kMonthFirst;
     column.guessed = day && month;
+    column.format = column.order == DateOrder::kDayFirst ? "dmy" : "mdy";
   }
   const bool of_day =
       std::ranges::all_of(cells,
@@ -98,25 +99,47 @@ void read_dates(const std::vector<std::string>& cells, TimeColumn& column) {
   if (!zoned) column.words += ", without a zone: used as UTC";
 }
 
+struct TimeUnit {
+  const char *format, *words;
+  double factor;
+};
+constexpr TimeUnit kTimeUnits[] = {{"s", "seconds", 1.0},
+                                   {"ms", "milliseconds", 1e-3},
+                                   {"us", "microseconds", 1e-6},
+                                   {"ns", "nanoseconds", 1e-9}};
+
+void use_unit(const TimeUnit& unit, TimeColumn& column) {
+  column.unit.factor = unit.factor;
+  column.format = unit.format;
+  column.words = unit.words;
+}
+
 /// Seconds, milliseconds, microseconds or nanoseconds: the steps of a device are nearest to 0.1 s.
 void guess_unit(const Numbers& numbers, TimeColumn& column) {
-  static constexpr const char* kUnitWords[] = {"seconds", "milliseconds", "microseconds", "nanoseconds"};
-  if (!numbers.whole || numbers.median_step <= 0.0 ||
-      seconds_of_stamp(numbers.values.back()) != numbers.values.back())
-    return;
+  if (!numbers.whole || numbers.median_step <= 0.0) return;
   const double decades = std::log10(numbers.median_step / kUsualStep_s);
   const auto unit = static_cast<std::size_t>(std::clamp(std::round(decades / 3.0), 0.0, 3.0));
-  column.unit.factor = std::pow(10.0, -3.0 * static_cast<double>(unit));
-  column.words = kUnitWords[unit];
-  column.guessed = unit > 0;
+  if (unit == 0) return;
+  use_unit(kTimeUnits[unit], column);
+  column.guessed = true;
+}
+
+/// Time stamps since 1970 that are dates of 2000 to 2100 in milliseconds, microseconds or nanoseconds.
+bool is_stamp(const Numbers& numbers, TimeColumn& column) {
+  for (const TimeUnit& unit : kTimeUnits) {
+    const double scale = kSerialDay_s / unit.factor;
+    if (unit.factor == 1.0 || !numbers.within(kFirstDay * scale, kLastDay * scale)) continue;
+    use_unit(unit, column);
+    column.is_stamp = true;
+    return true;
+  }
+  return false;
 }
 
 void stated_format(std::string_view stated, TimeColumn& column) {
-  static constexpr std::pair<std::string_view, double> kFactors[] = {
-      {"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}};
   column.words = stated;
-  for (const auto& [unit, factor] : kFactors)
-    if (stated == unit) column.unit.factor = factor;
+  for (const TimeUnit& unit : kTimeUnits)
+    if (stated == unit.format) column.unit.factor = unit.factor;
   if (stated == "excel") column.unit = days_since(kUnixOfExcel);
   if (stated == "matlab") column.unit = days_since(kUnixOfMatlab);
   if (stated == "dmy") column.order = DateOrder::kDayFirst;
@@ -152,6 +175,7 @@ bool guess_serial_dates(std::string_view name, const Numbers& numbers, TimeColum
   if (numbers.whole || !(dated || numbers.median_step < kLongestSerialStep) || !(excel || matlab))
     return false;
   column.unit = days_since(excel ? kUnixOfExcel : kUnixOfMatlab);
+  column.format = excel ? "excel" : "matlab";
   column.words = excel ? "serial dates of Excel, used as UTC" : "serial dates of MATLAB, used as UTC";
   column.guessed = true;
   return true;
@@ -205,6 +229,7 @@ Result<TimeColumn> time_column(std::string_view name, const std::vector<std::str
   if (!stated.empty()) return column;
   if (is_radio_counter(name, cells, numbers)) {
     stated_format("dw1000", column);
+    column.format = "dw1000";
     column.words = "40-bit counts of a UWB radio";
     column.guessed = true;
     return column;
@@ -212,10 +237,12 @@ Result<TimeColumn> time_column(std::string_view name, const std::vector<std::str
   const auto unit = unit_of_column(name, "time_s");
   if (!unit) return fail(unit.error());
   column.unit = *unit;
+  if (unit->factor == 1.0 && is_stamp(numbers, column)) return column;
   if (without_unit(name) != name || unit->factor != 1.0) {
     if (unit->factor == kRadioClock.period_s / kLargestCounter) column.clock = kRadioClock;
     column.words = words_of_factor(unit->factor);
-  } else if (!guess_serial_dates(name, numbers, column) && guess) {
+  } else if (!guess_serial_dates(name, numbers, column) &&
+             (guess || !numbers.within(0.0, kSerialDay_s * kLastDay))) {
     guess_unit(numbers, column);
   }
   return column;

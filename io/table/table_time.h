@@ -20,8 +20,10 @@ struct TimeColumn {
   UnitConversion unit;
   DateOrder order = DateOrder::kNone;
   std::optional<ClockPeriod> clock;  ///< of a clock that is known to start again
-  std::string words;     ///< for people: "milliseconds", "dates and times without a zone, used as UTC"
-  bool guessed = false;  ///< neither the name nor the mapping states the format
+  std::string format;     ///< of kTimeFormats, as the cells have it; empty: the name or the mapping states it
+  std::string words;      ///< for people: "milliseconds", "dates and times without a zone, used as UTC"
+  bool is_stamp = false;  ///< a time since 1970 in milliseconds, microseconds or nanoseconds
+  bool guessed = false;   ///< neither the name nor the mapping states the format
 
   /// Seconds of a cell; no value if it is neither a number nor a time.
   [[nodiscard]] std::optional<double> seconds(std::string_view cell, DecimalMark decimal) const;
@@ -32,7 +34,8 @@ struct TimeColumn {
 /// @param cells   the first cells
 /// @param stated  of kTimeFormats, or empty
 /// @param factor  of the mapping
-/// @param guess   a unit that neither the name nor the mapping states is guessed from the steps of the times
+/// @param guess   a unit that neither the name nor the mapping states is guessed from the steps of the times;
+///                that of times beyond the year 2100 always
 [[nodiscard]] Result<TimeColumn> time_column(std::string_view name, const std::vector<std::string>& cells,
                                              DecimalMark decimal, std::string_view stated,
                                              std::optional<double> factor, bool guess);

@@ -176,10 +176,14 @@ std::optional<double> time_of_text(std::string_view text, DateOrder order) {
 }
 
 bool is_date(std::string_view text) {
-  double days = 0.0, number = 0.0;
-  TimeScan scan(text);
-  return parse_number(text, number) != NumberText::kNumber && read_day(scan, DateOrder::kMonthFirst, days) &&
-         scan.done();
+  double number = 0.0;
+  if (parse_number(text, number) == NumberText::kNumber) return false;
+  return std::ranges::any_of(std::array{DateOrder::kMonthFirst, DateOrder::kDayFirst},
+                             [text](DateOrder order) {
+                               double days = 0.0;
+                               TimeScan scan(text);
+                               return read_day(scan, order, days) && scan.done();
+                             });
 }
 
 double seconds_of_stamp(double stamp) {

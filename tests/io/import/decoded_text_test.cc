@@ -6,6 +6,7 @@
 #include <zlib.h>
 #include <zstd.h>
 
+#include "io/import/vendor_logs.h"
 #include "tests/io/io_support.h"
 
 namespace octant::io {
@@ -65,6 +66,14 @@ TEST(DecodedText, ReadsTheEncodingsAndCompressionsOfTables) {
   for (int i = 0; i < 100'000; ++i) long_text += "1,2,3\n";
   EXPECT_EQ(text_of(box.write("a", gzipped(long_text))), long_text);
   EXPECT_EQ(text_of(box.write("a", zstd_of(long_text))), long_text);
+}
+
+TEST(DecodedText, LogsOfKitsAreDecompressed) {
+  const test::TemporaryFolder box;
+  const std::string text = "Timestamp,ranging.state,ranging.distance0\n1000,1,1.5\n";
+  const auto log = read_crazyflie_log(box.write("cf.csv.gz", gzipped(text)));
+  ASSERT_TRUE(log) << log.error().message();
+  EXPECT_EQ(log->arrivals.size(), 1u);
 }
 
 TEST(DecodedText, DamagedFilesAreErrors) {

@@ -4,6 +4,8 @@
 
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "tests/io/io_support.h"
 
 namespace octant::io::test {
@@ -52,6 +54,26 @@ TEST(Pyfg, TheGraphOfARobotInThePlane) {
   const auto other = read_pyfg(path, "B");
   ASSERT_TRUE(other);
   EXPECT_EQ(other->arrivals.size(), 1U);
+}
+
+TEST(Pyfg, OdometryFollowsTheVerticesOnceEach) {
+  const std::string vertices =
+      "VERTEX_SE2 0 A0 0 0 0\nVERTEX_SE2 1 A1 1 0 0\nVERTEX_SE2 2 A2 2 0 0\nVERTEX_SE2 3 A3 3 0 0\n"
+      "VERTEX_XY L0 1 1\nEDGE_RANGE 0 A0 L0 1.5 0.1\n";
+  const auto edge = [](int i) { return fmt::format("EDGE_SE2 {0} A{0} A{1} 1 0 0 1 0 0 1 0 1\n", i, i + 1); };
+  const TemporaryFolder box;
+  const auto log = read_pyfg(box.write("g.pyfg", vertices + edge(2) + edge(0) + edge(0) + edge(1)));
+  ASSERT_TRUE(log) << log.error().message();
+  ASSERT_EQ(log->odometry.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(log->odometry[i].time_s, log->truth[i].time_s);
+    EXPECT_EQ(log->odometry[i].T_map_vehicle.translation_m, log->truth[i].T_map_vehicle.translation_m);
+  }
+  EXPECT_THAT(log->warnings, Contains(HasSubstr("1 repeated edges")));
+  const auto gap = read_pyfg(box.write("gap.pyfg", vertices + edge(0) + edge(2)));
+  ASSERT_TRUE(gap) << gap.error().message();
+  EXPECT_EQ(gap->odometry.size(), 4U);
+  EXPECT_THAT(gap->warnings, Contains(HasSubstr("no edge from A1 to A2")));
 }
 
 TEST(Pyfg, AGraphInSpace) {

@@ -252,6 +252,84 @@ TEST(TableLog, MappingsOfRowsAreKept) {
   EXPECT_EQ(again->period_s, mapping->period_s);
 }
 
+/// The mapping of a guess reads the table alike, with its unit, order of dates and decimal mark.
+TEST(TableLog, TheMappingOfAGuessReadsTheTableAlike) {
+  const Case cases[] = {
+      {"microseconds", "us", "timestamp,anchor,distance\n0,A1,8.5\n100000,A2,1\n200000,A1,7\n",
+       "time_s,beacon,distance_m\n0,A1,8.5\n0.1,A2,1\n0.2,A1,7\n"},
+      {"days first", "dmy", "date,time,anchor,distance\n12/04/2026,10:00:00,A1,6\n13/04/2026,10:00:00,A2,4\n",
+       "time_s,beacon,distance_m\n1775988000,A1,6\n1776074400,A2,4\n"},
+      {"a clock in microseconds that is no date", "us",
+       "timestamp,anchor,distance\n200000000000,A1,2\n200000100000,A2,5\n",
+       "time_s,beacon,distance_m\n200000,A1,2\n200000.1,A2,5\n"},
+      {"a clock that passes 1e11", "ns",
+       "timestamp,anchor,distance\n99900000000,A1,2\n100000000000,A2,5\n100100000000,A2,5\n",
+       "time_s,beacon,distance_m\n99.9,A1,2\n100,A2,5\n100.1,A2,5\n"},
+      {"decimal commas", "", "time;anchor;distance\n0,5;A1;2,25\n1,5;A2;5,5\n",
+       "time_s,beacon,distance_m\n0.5,A1,2.25\n1.5,A2,5.5\n"},
+  };
+  const test::TemporaryFolder box;
+  for (const Case& c : cases) {
+    ASSERT_TRUE(write_file(box.path("t.csv"), c.table));
+    const auto guess = read_table_log(box.path("t.csv"), {});
+    ASSERT_TRUE(guess) << c.name << guess.error().message();
+    EXPECT_EQ(guess->mapping.time_format, c.words) << c.name;
+    EXPECT_EQ(csv_of(box.path("t.csv"), {}), c.csv) << c.name;
+    ASSERT_TRUE(write_file(box.path("m.yaml"), mapping_to_yaml(guess->mapping)));
+    const auto saved = read_mapping(box.path("m.yaml"));
+    ASSERT_TRUE(saved) << c.name << saved.error().message();
+    EXPECT_EQ(csv_of(box.path("t.csv"), *saved), c.csv) << c.name;
+    const std::string option = " --time-format " + std::string(c.words);
+    if (*c.words != 0) EXPECT_NE(guess->guessed.front().find(option), std::string::npos) << c.name;
+  }
+  EXPECT_NE(read_table_log(box.path("t.csv"), {})->guessed.front().find("--decimal comma"),
+            std::string::npos);
+}
+
+TEST(TableLog, NoTextIsLessOrMoreThanANumber) {
+  const test::TemporaryFolder box;
+  ASSERT_TRUE(
+      write_file(box.path("t.csv"), "t,b,d,q\n0,A1,8,nan\n1,A2,7,80\n2,A2,6,\n3,A2,6,bad\n4,A1,5,20\n"));
+  auto mapping = mapping_from_words("time=t,beacon=b,distance=d");
+  ASSERT_TRUE(mapping);
+  mapping->where = {*condition_from_word("q>50")};
+  EXPECT_EQ(csv_of(box.path("t.csv"), *mapping), "time_s,beacon,distance_m\n1,A2,7\n");
+  mapping->where = {*condition_from_word("q<=50")};
+  EXPECT_EQ(csv_of(box.path("t.csv"), *mapping), "time_s,beacon,distance_m\n4,A1,5\n");
+}
+
+TEST(TableLog, UnitsThatAreInDoubtAreWarnedOf) {
+  const test::TemporaryFolder box;
+  const auto warnings = [&box](const char* table) {
+    EXPECT_TRUE(write_file(box.path("t.csv"), table));
+    const auto log = read_table_log(box.path("t.csv"), {});
+    EXPECT_TRUE(log) << log.error().message();
+    std::string all;
+    for (const std::string& warning : log->log.warnings) all += warning + "\n";
+    return all;
+  };
+  EXPECT_NE(warnings("time,anchor,tof\n0,A1,12.5\n1,A2,13\n").find("median of the times of flight is 13"),
+            std::string::npos);
+  EXPECT_NE(warnings("time,anchor,distance\n0,A1,512.5\n1,A2,613\n").find("median of the distances is 613"),
+            std::string::npos);
+  EXPECT_EQ(warnings("time,anchor,distance_m\n0,A1,512.5\n1,A2,613\n"), "");
+  EXPECT_EQ(warnings("time,anchor,distance\n0,A1,5.5\n1,A2,6\n"), "");
+  EXPECT_NE(warnings("time_h,anchor,distance\n0,A1,5.5\n0.1,A2,6\n").find("time=time_h*3600"),
+            std::string::npos);
+  EXPECT_NE(warnings("time,anchor,distance_in\n0,A1,5.5\n1,A2,6\n").find("distance=distance_in*0.0254"),
+            std::string::npos);
+}
+
+TEST(TableLog, DatesAndTimesWithoutSeparatorsAreJoined) {
+  const test::TemporaryFolder box;
+  const char* csv = "time_s,beacon,distance_m\n1781177580,A1,5.5\n1781177581,A2,6\n";
+  ASSERT_TRUE(write_file(box.path("t.csv"),
+                         "date,time,anchor,distance\n20260611,113300,A1,5.5\n20260611,113301,A2,6\n"));
+  EXPECT_EQ(csv_of(box.path("t.csv"), {}), csv);
+  EXPECT_EQ(csv_of(box.path("t.csv"), *mapping_from_words("time=date+time,beacon=anchor,distance=distance")),
+            csv);
+}
+
 /// A table whose rows have more cells than its header is not read with shifted cells.
 TEST(TableLog, RowsThatDoNotFitAreRefusedOrCounted) {
   const test::TemporaryFolder box;
