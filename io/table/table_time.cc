@@ -80,8 +80,11 @@ void read_dates(const std::vector<std::string>& cells, TimeColumn& column) {
                           [](const std::string& cell) {
                             return is_no_value(cell) || cell.find_first_of("-/") == std::string::npos;
                           }) &&
-      std::ranges::none_of(
-          cells, [](const std::string& cell) { return is_date(cell.substr(0, cell.find_first_of(" T"))); });
+      std::ranges::none_of(cells, [](const std::string& cell) {
+        const std::string day = cell.substr(0, cell.find_first_of(" T"));
+        const bool compact = day.size() == 8 && day.find_first_not_of("0123456789") == std::string::npos;
+        return compact || is_date(day);
+      });
   if (of_day) {
     column.clock = ClockPeriod{kSerialDay_s, "the time of day"};
     column.words = "times of day";
