@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include "calib/errors/reliability.h"
 #include "calib/network/place_by_ranges.h"
+#include "calib/network/range_ambiguity.h"
 #include "calib/network/select_observations.h"
 #include "calib/network/survey_row.h"
 
@@ -20,8 +22,10 @@ constexpr int kMostRejections = 30;
 constexpr double kShareOfWorst = 0.6;
 /// Limit of |w|, relative to its robust scale, beyond which a range is left out.
 constexpr double kCriticalRange = 4.0;
-/// Limit of the deviation from approximate positions, in robust sigmas.
+/// Limit of the deviation from approximate positions, in robust sigmas and in sigmas of the range.
 constexpr double kGross = 6.0;
+/// Redundancy below which a range cannot be tested.
+constexpr double kTestable = 0.01;
 /// Median absolute deviation of normal noise with sigma 1.
 constexpr double kMedianDeviation = 0.6745;
 /// Rounds of the variance component, and the redundancy from which it is estimated.
@@ -113,53 +117,148 @@ bool move_to_given(const Network& network, PlacedByRanges& placed) {
 
 bool is_range(const SurveyObservation& o) { return o.kind == SurveyKind::kSlopeDistance; }
 
-/// Leaves out ranges that deviate from the approximate positions far more than most: echoes, before the first
-/// adjustment, which would be displaced by them.
-std::vector<SurveyObservation> leave_out_gross(Network& network) {
-  std::vector<double> deviation_m;
-  for (const SurveyObservation& o : network.observations)
-    if (is_range(o))
-      deviation_m.push_back(std::abs((network.points[static_cast<std::size_t>(o.to)].p_map_m -
-                                      network.points[static_cast<std::size_t>(o.from)].p_map_m)
-                                         .norm() -
-                                     o.value));
-  std::vector<double> sorted = deviation_m;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::ranges::nth_element(sorted, middle);
-  const double limit_m = kGross * *middle / kMedianDeviation;
-  std::vector<bool> keep;
-  std::vector<SurveyObservation> removed;
-  auto deviation = deviation_m.begin();
+/// Ranges with their test values.
+using Suspects = std::vector<std::pair<double, std::size_t>>;
+
+/// Observations without the suspects, the worst first. A suspect stays where a beacon of it would keep fewer
+/// ranges than it has unknown coordinates that are not observed otherwise.
+std::vector<bool> keep_without(const Network& network, Suspects suspects) {
+  std::vector<int> spare(network.points.size(), 0);
+  for (std::size_t p = 0; p < spare.size(); ++p)
+    for (const CoordinateRole role : network.points[p].role)
+      if (role >= CoordinateRole::kFree) --spare[p];
   for (const SurveyObservation& o : network.observations) {
-    keep.push_back(!is_range(o) || *deviation++ <= limit_m);
-    if (!keep.back()) removed.push_back(o);
+    if (o.from >= 0) ++spare[static_cast<std::size_t>(o.from)];
+    if (o.to >= 0) ++spare[static_cast<std::size_t>(o.to)];
   }
+  std::vector<bool> keep(network.observations.size(), true);
+  std::ranges::sort(suspects, std::greater{});
+  for (const auto& [test, i] : suspects) {
+    int &from = spare[static_cast<std::size_t>(network.observations[i].from)],
+        &to = spare[static_cast<std::size_t>(network.observations[i].to)];
+    const auto can_spare = [&](int point, int left) {
+      return left > 0 || std::ranges::none_of(network.points[static_cast<std::size_t>(point)].role,
+                                              [](CoordinateRole r) { return r >= CoordinateRole::kFree; });
+    };
+    if (!can_spare(network.observations[i].from, from) || !can_spare(network.observations[i].to, to))
+      continue;
+    --from;
+    --to;
+    keep[i] = false;
+  }
+  return keep;
+}
+
+/// Standard deviation from the median of absolute deviations.
+double robust_scale(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle / kMedianDeviation;
+}
+
+/// Removes the observations that are not kept, and returns them.
+std::vector<SurveyObservation> remove_others(Network& network, const std::vector<bool>& keep) {
+  std::vector<SurveyObservation> removed;
+  for (std::size_t i = 0; i < keep.size(); ++i)
+    if (!keep[i]) removed.push_back(network.observations[i]);
   if (!removed.empty()) keep_observations(network, keep);
   return removed;
 }
 
-/// Leaves out ranges whose w exceeds the limit relative to the median of all, the worst ones first.
+/// Leaves out ranges that deviate from the approximate positions far more than most: echoes, before the first
+/// adjustment, which would be displaced by them.
+std::vector<SurveyObservation> leave_out_gross(Network& network) {
+  std::vector<double> deviation_m;
+  std::vector<std::size_t> ranges;
+  for (std::size_t i = 0; i < network.observations.size(); ++i) {
+    const SurveyObservation& o = network.observations[i];
+    if (!is_range(o)) continue;
+    const NetworkPoint &from = network.points[static_cast<std::size_t>(o.from)],
+                       &to = network.points[static_cast<std::size_t>(o.to)];
+    if (!from.known[0] || !to.known[0]) continue;
+    deviation_m.push_back(std::abs((to.p_map_m - from.p_map_m).norm() - o.value));
+    ranges.push_back(i);
+  }
+  if (ranges.empty()) return {};
+  const double scale_m = robust_scale(deviation_m);
+  Suspects suspects;
+  for (std::size_t k = 0; k < ranges.size(); ++k)
+    if (const double limit_m = kGross * std::max(scale_m, network.observations[ranges[k]].sigma);
+        deviation_m[k] > limit_m)
+      suspects.emplace_back(deviation_m[k] / limit_m, ranges[k]);
+  return remove_others(network, keep_without(network, std::move(suspects)));
+}
+
+/// Takes ranges back that agree with the adjusted positions within their uncertainty.
+void restore_ranges(SolvedNetwork& solved) {
+  const NetworkColumns columns = network_columns(solved.network);
+  const auto sigma_of = [&](int p) {
+    return std::sqrt(solved.solution.point_covariances_m2[static_cast<std::size_t>(p)].trace());
+  };
+  std::vector<SurveyObservation> back;
+  std::erase_if(solved.outlying, [&](const SurveyObservation& o) {
+    const double deviation_m = survey_row(solved.network, columns, o, solved.solution.unknowns).misclosure;
+    const bool agrees =
+        std::abs(deviation_m) < kCriticalRange * std::hypot(o.sigma, sigma_of(o.from) + sigma_of(o.to));
+    if (agrees) back.push_back(o);
+    return agrees;
+  });
+  if (back.empty()) return;
+  solved.network.observations.insert(solved.network.observations.end(), back.begin(), back.end());
+  solved.solution = adjust_network(solved.network, {.dense_limit = 0});
+}
+
+/// Adjusts a network without gross ranges; with all of them where points would be lost without them.
+Result<SolvedNetwork> solve_without_gross(const Network& network) {
+  Network reduced = network;
+  std::vector<SurveyObservation> gross = leave_out_gross(reduced);
+  auto solved = solve_network(std::move(reduced));
+  if (gross.empty() || !solved) return solved;
+  if (solved->solution.status != NetworkStatus::kConverged || !solved->undetermined.empty())
+    return solve_network(network);
+  solved->outlying = std::move(gross);
+  restore_ranges(*solved);
+  return solved;
+}
+
+/// Ranges whose w exceeds the limit, relative to the median of all and to 1.
+Suspects failed_ranges(const SolvedNetwork& solved) {
+  std::vector<double> all;
+  Suspects testable, failed;
+  double worst = 0.0;
+  for (std::size_t i = 0; i < solved.network.observations.size(); ++i) {
+    if (!is_range(solved.network.observations[i])) continue;
+    const ObservationResult& r = solved.solution.observations[i];
+    all.push_back(std::abs(r.w));
+    if (r.redundancy < kTestable) continue;
+    testable.emplace_back(all.back(), i);
+    worst = std::max(worst, all.back());
+  }
+  if (all.empty()) return failed;
+  const double limit = std::max(kCriticalRange * std::max(robust_scale(all), 1.0), kShareOfWorst * worst);
+  for (const auto& suspect : testable)
+    if (suspect.first >= limit) failed.push_back(suspect);
+  return failed;
+}
+
+/// Leaves out ranges whose w-test fails, the worst ones first. Where the others do not determine the network
+/// any more, only the worst one, or none.
 void reject_ranges(SolvedNetwork& solved) {
   for (int round = 0; round < kMostRejections && solved.solution.status == NetworkStatus::kConverged;
        ++round) {
-    std::vector<double> all;
-    for (std::size_t i = 0; i < solved.network.observations.size(); ++i)
-      if (is_range(solved.network.observations[i]))
-        all.push_back(std::abs(solved.solution.observations[i].w));
-    const double worst = *std::ranges::max_element(all);
-    const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
-    std::ranges::nth_element(all, middle);
-    const double unit = std::max(*middle / kMedianDeviation, 1e-9);
-    if (worst < kCriticalRange * unit) return;
-    const double limit = std::max(kCriticalRange * unit, kShareOfWorst * worst);
-    std::vector<bool> keep;
-    for (std::size_t i = 0; i < solved.network.observations.size(); ++i) {
-      const SurveyObservation& o = solved.network.observations[i];
-      keep.push_back(!is_range(o) || std::abs(solved.solution.observations[i].w) < limit);
-      if (!keep.back()) solved.outlying.push_back(o);
+    Suspects suspects = failed_ranges(solved);
+    bool rejected = false;
+    while (!rejected && !suspects.empty()) {
+      SolvedNetwork next = solved;
+      const auto removed = remove_others(next.network, keep_without(next.network, suspects));
+      if (removed.empty()) return;
+      next.outlying.insert(next.outlying.end(), removed.begin(), removed.end());
+      next.solution = adjust_network(next.network, {.dense_limit = 0});
+      rejected = next.solution.status == NetworkStatus::kConverged;
+      if (rejected) solved = std::move(next);
+      suspects = suspects.size() > 1 ? Suspects{*std::ranges::max_element(suspects)} : Suspects{};
     }
-    keep_observations(solved.network, keep);
-    solved.solution = adjust_network(solved.network, {.dense_limit = 0});
+    if (!rejected) return;
   }
 }
 
@@ -204,13 +303,12 @@ Result<SolvedRangeNetwork> solve_range_network(const Site& site, const BeaconRan
       }
     if (placed.column[p] < 0) point.known.fill(false);
   }
-  std::vector<SurveyObservation> gross = leave_out_gross(network);
-  auto solved = solve_network(std::move(network));
+  auto solved = solve_without_gross(network);
   if (!solved) return fail(solved.error());
   result.solved = std::move(*solved);
-  result.solved.outlying = std::move(gross);
   reject_ranges(result.solved);
   scale_ranges(result.solved);
+  result.ambiguous = leave_out_ambiguous(result.solved, plane ? 2 : 3);
   return result;
 }
 

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "calib/network/solve_network.h"
 #include "models/network/beacon_ranges.h"
 #include "models/site.h"
@@ -13,6 +16,7 @@ struct SolvedRangeNetwork {
   SolvedNetwork solved;
   /// Neither given positions nor heights tell the network from its mirror image.
   bool mirror_is_equal = false;
+  std::vector<std::string> ambiguous;  ///< beacons left out: leave_out_ambiguous()
 };
 
 /// Positions of beacons from ranges between them alone, without a vehicle:
@@ -22,8 +26,10 @@ struct SolvedRangeNetwork {
 ///   with
 ///      a sigma are observations, those with sigma 0 fixed, and inner constraints define the rest of the
 ///      datum,
-///   4. ranges whose w-test fails are left out, the worst first (echoes).
-///   5. the sigma of the ranges is scaled to their residuals.
+///   4. ranges whose w-test fails are left out, the worst first (echoes), as long as each beacon keeps enough
+///   of them,
+///   5. the sigma of the ranges is scaled to their residuals,
+///   6. beacons whose mirror image fits equally well are left out.
 /// The plane is enough to place points whose heights are all given.
 /// Errors: kBadInput without enough ranges.
 [[nodiscard]] Result<SolvedRangeNetwork> solve_range_network(const Site& site, const BeaconRanges& ranges);

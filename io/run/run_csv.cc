@@ -16,6 +16,7 @@
 #include "io/tof/order_watch.h"
 #include "io/tof/run_parts.h"
 #include "models/physics/unit_rotation.h"
+#include "models/support/largest.h"
 
 namespace octant::io {
 namespace {
@@ -122,15 +123,16 @@ Result<BeaconFlightLog> read_beacon_flights(const std::string& folder, const Nam
       csv.fail_at(to, "a beacon that ranges to itself", "two beacons");
       break;
     }
-    if (std::isfinite(row.tof_s) && row.tof_s > 0.0)
+    if (row.tof_s > 0.0 && row.tof_s <= kLargestTof_s)
       log.flights.push_back(row);
     else if (skipped++ == 0)
       first = csv.place();
   }
   if (csv.error()) return fail(*csv.error());
   if (skipped > 0)
-    log.warnings.push_back(fmt::format("{}: tof_s is not a positive number; {} row{} left out", first,
-                                       skipped, skipped == 1 ? "" : "s"));
+    log.warnings.push_back(
+        fmt::format("{}: tof_s is not a positive number of at most {:g} s; {} row{} left out", first,
+                    kLargestTof_s, skipped, skipped == 1 ? "" : "s"));
   if (const auto warning = csv.unknown_columns()) log.warnings.push_back(*warning);
   return log;
 }

@@ -19,8 +19,9 @@ constexpr double kEchoSigmas = 4.0;
 /// Median absolute deviation of normal noise with sigma 1.
 constexpr double kMedianDeviation = 0.6745;
 
+/// Median; the lower of the two middle values of an even number, because echoes are late.
 double middle_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
   std::ranges::nth_element(values, middle);
   return *middle;
 }
@@ -71,10 +72,16 @@ BeaconRanges beacon_ranges(const Site& site, const std::vector<BeaconFlight>& fl
   std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> times_s;
   std::map<std::pair<std::size_t, std::size_t>, std::size_t> first_run;
   const double known_s = site.timing.delay_s + site.timing.turnaround_s;
+  const auto speed_in = [&](std::size_t run) {
+    const auto temperature_degC = run < runs.size() ? runs[run].temperature_degC : std::optional<double>{};
+    return speed_mps(site.medium, temperature_degC.value_or(site.medium.temperature_degC));
+  };
   for (const BeaconFlight& flight : flights) {
     const std::pair<std::size_t, std::size_t> ends = std::minmax({flight.from.index(), flight.to.index()});
-    times_s[ends].push_back(flight.tof_s - known_s);
-    first_run.emplace(ends, flight.run);
+    const std::size_t first = first_run.emplace(ends, flight.run).first->second;
+    // Times in other recordings count at the speed of the first one.
+    const double ratio = first == flight.run ? 1.0 : speed_in(flight.run) / speed_in(first);
+    times_s[ends].push_back(ratio * (flight.tof_s - known_s));
   }
   BeaconRanges ranges;
   const double bias_s = std::hypot(site.noise.tof_sigma_s, site.noise.pair_sigma_s.value_or(0.0));
@@ -83,9 +90,7 @@ BeaconRanges beacon_ranges(const Site& site, const std::vector<BeaconFlight>& fl
     range.from = BeaconId(ends.first);
     range.to = BeaconId(ends.second);
     range.run = first_run.at(ends);
-    const auto temperature_degC =
-        range.run < runs.size() ? runs[range.run].temperature_degC : std::optional<double>{};
-    range.model_speed_mps = speed_mps(site.medium, temperature_degC.value_or(site.medium.temperature_degC));
+    range.model_speed_mps = speed_in(range.run);
     combine_times(times, site.noise.tof_sigma_s, range);
     range.sigma_s = std::hypot(range.sigma_s, bias_s);
   }

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +14,8 @@
 #include "calib/network/range_network.h"
 #include "io/site/site_yaml.h"
 #include "io/text/atomic_file.h"
+#include "io/text/bounds.h"
+#include "io/tof/run_parts.h"
 
 namespace octant::app {
 namespace {
@@ -43,22 +47,56 @@ AdjustedNetwork solved_network(const std::string& path, Session& session) {
   return adjusted;
 }
 
+/// Recordings with the temperature of their run.yaml alone.
+std::vector<MeasurementLog> temperatures_of(const std::vector<std::string>& folders) {
+  std::vector<MeasurementLog> runs(folders.size());
+  for (std::size_t i = 0; i < folders.size(); ++i) {
+    const std::filesystem::path file = std::filesystem::path(folders[i]) / "run.yaml";
+    std::error_code status;
+    if (!std::filesystem::exists(file, status)) continue;
+    need(io::parse_run_yaml(need(io::read_document(file.string())), file.string(), runs[i]));
+  }
+  return runs;
+}
+
 /// Beacons of a site from the ranges between them in recordings.
 AdjustedNetwork solved_ranges(const AdjustArgs& args, Session& session) {
   const Site site = need(io::read_site(args.network));
   session.warn(site.warnings);
   const std::vector<BeaconFlight> flights = read_beacon_flights(args.runs, names_of(site), session).flights;
-  calib::SolvedRangeNetwork ranges = need(calib::solve_range_network(site, beacon_ranges(site, flights)));
+  calib::SolvedRangeNetwork ranges =
+      need(calib::solve_range_network(site, beacon_ranges(site, flights, temperatures_of(args.runs))));
   if (ranges.mirror_is_equal)
     session.warn(
         "The mirror image of the result agrees equally well with the ranges: give approximate positions "
         "of at least three beacons that are not in line (four in space).");
+  if (!ranges.ambiguous.empty())
+    session.warn(
+        fmt::format("Beacons left out because their mirror image behind their neighbours agrees equally well "
+                    "with the ranges: {}. Give their approximate positions with sigmas, or add ranges.",
+                    fmt::join(ranges.ambiguous, ", ")));
   AdjustedNetwork adjusted{{}, std::move(ranges.solved)};
   adjusted.file.description = site.name;
   adjusted.file.sigma_unit = 1.0;
   adjusted.file.sigmas_a_posteriori = false;
   adjusted.file.outlier_limit_m = 0.0;
   return adjusted;
+}
+
+int undetermined_network(const calib::SolvedNetwork& solved, bool ranges, Session& session) {
+  const bool unlocated = solved.undetermined.empty();
+  const std::vector<std::string>& names = unlocated ? solved.unlocated : solved.undetermined;
+  const std::string message =
+      names.empty() ? "The observations and the datum do not determine any point."
+                    : fmt::format("The observations {} {}.",
+                                  unlocated ? "do not locate" : "and the datum do not determine",
+                                  fmt::join(names, ", "));
+  const char* advice = "fix points, mark datum points (datum: xy; in XML adj=\"XY\"), or add observations";
+  if (ranges)
+    advice = "give positions of beacons in the site file, or add ranges between more pairs of beacons";
+  else if (unlocated)
+    advice = "give approximate coordinates of a point, or add observations to located points";
+  return fail_adjustment("undetermined", kUndetermined, message, advice, session);
 }
 
 int adjust(const AdjustArgs& args, Session& session) {
@@ -69,16 +107,8 @@ int adjust(const AdjustArgs& args, Session& session) {
       args.runs.empty() ? solved_network(args.network, session) : solved_ranges(args, session);
   const calib::SolvedNetwork& solved = adjusted.solved;
   session.warn(left_out_in_words(adjusted));
-  if (solved.solution.status == calib::NetworkStatus::kUndetermined) {
-    const bool unlocated = solved.undetermined.empty();
-    return fail_adjustment(
-        "undetermined", kUndetermined,
-        fmt::format("The observations {} {}.", unlocated ? "do not locate" : "and the datum do not determine",
-                    fmt::join(unlocated ? solved.unlocated : solved.undetermined, ", ")),
-        unlocated ? "give approximate coordinates of a point, or add observations to located points"
-                  : "fix points, mark datum points (datum: xy; in XML adj=\"XY\"), or add observations",
-        session);
-  }
+  if (solved.solution.status == calib::NetworkStatus::kUndetermined)
+    return undetermined_network(solved, !args.runs.empty(), session);
   if (solved.solution.status == calib::NetworkStatus::kNotConverged)
     return fail_adjustment(
         "not_converged", kNotConverged,

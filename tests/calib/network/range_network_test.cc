@@ -4,6 +4,9 @@
 #include "calib/network/range_network.h"
 
 #include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
@@ -148,6 +151,88 @@ TEST(RangeNetwork, FindsTheShapeInSpaceWithoutAnyPosition) {
     for (std::size_t b = a + 1; b < w.truth.size(); ++b)
       EXPECT_NEAR((result->solved.solution.points_m[a] - result->solved.solution.points_m[b]).norm(),
                   (w.truth[a] - w.truth[b]).norm(), 0.6);
+}
+
+/// All ranges between beacons at random places, with heights that are given exactly or (in space) not.
+Warehouse cloud(std::uint64_t seed, int beacons, bool plane, double noise_m) {
+  Random draws(seed);
+  Warehouse w;
+  w.site.medium.speed_mps = kSpeed_mps;
+  w.site.noise.tof_sigma_s = noise_m / kSpeed_mps;
+  w.site.timing.delay_per = {};
+  for (int b = 0; b < beacons; ++b) {
+    w.truth.emplace_back(draws.uniform(0.0, 20.0), draws.uniform(0.0, 12.0), draws.uniform(0.0, 6.0));
+    SiteBeacon& beacon = w.site.beacons.emplace_back();
+    beacon.name = std::to_string(b);
+    for (int k = 0; k < 3; ++k)
+      if (plane && (b < 3 || k == 2)) {
+        beacon.position_m[static_cast<std::size_t>(k)] = w.truth.back()[k];
+        beacon.sigma_m[static_cast<std::size_t>(k)] = 0.0;
+      }
+  }
+  return w;
+}
+
+BeaconRanges all_ranges(const Warehouse& w, std::uint64_t seed, double noise_m,
+                        const std::function<double(int, int)>& longer_m) {
+  Random draws(seed);
+  std::vector<BeaconFlight> flights;
+  for (std::size_t a = 0; a < w.truth.size(); ++a)
+    for (std::size_t b = a + 1; b < w.truth.size(); ++b) {
+      const double off_m = longer_m(static_cast<int>(a), static_cast<int>(b)) + noise_m * draws.normal();
+      if (std::isfinite(off_m))
+        flights.push_back(
+            {0.0, BeaconId(a), BeaconId(b), ((w.truth[a] - w.truth[b]).norm() + off_m) / kSpeed_mps});
+    }
+  return beacon_ranges(w.site, flights);
+}
+
+TEST(RangeNetwork, RejectsNoGoodRangeOfASmallNetwork) {
+  for (const bool plane : {true, false})
+    for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+      const Warehouse w = cloud(seed, 5 + static_cast<int>(seed % 5), plane, 0.03);
+      const auto result =
+          calib::solve_range_network(w.site, all_ranges(w, 100 + seed, 0.03, [](int, int) { return 0.0; }));
+      ASSERT_TRUE(result);
+      if (plane) {
+        EXPECT_EQ(result->solved.solution.status, calib::NetworkStatus::kConverged) << seed;
+      }
+      EXPECT_TRUE(result->solved.outlying.empty()) << plane << ' ' << seed;
+      EXPECT_TRUE(result->solved.undetermined.empty()) << plane << ' ' << seed;
+    }
+}
+
+TEST(RangeNetwork, LeavesOutABeaconWhoseSideIsUnknown) {
+  for (const double echo_m : {std::nan(""), 3.0}) {  // two ranges, or a third one that is an echo
+    Warehouse w = cloud(3, 8, true, 0.02);
+    w.truth = {{0, 0, 3},  {20, 0, 3},  {20, 12, 4}, {0, 12, 3},
+               {10, 5, 4}, {10, -1, 3}, {5, 13, 4},  {21, 6, 3}};
+    for (std::size_t b = 0; b < 8; ++b)
+      for (std::size_t i = 0; i < 3; ++i)
+        if (w.site.beacons[b].position_m[i])
+          w.site.beacons[b].position_m[i] = w.truth[b][static_cast<int>(i)];
+    const auto result = calib::solve_range_network(w.site, all_ranges(w, 5, 0.02, [&](int a, int b) {
+                                                     if (b != 7 || a < 2) return 0.0;
+                                                     return a == 4 ? echo_m : std::nan("");
+                                                   }));
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->ambiguous, std::vector<std::string>{"7"}) << echo_m;
+    ASSERT_EQ(result->solved.solution.status, calib::NetworkStatus::kConverged);
+    for (std::size_t p = 0; p < 7; ++p)
+      EXPECT_LT((result->solved.solution.points_m[p] - w.truth[p]).norm(), 0.1) << p;
+  }
+}
+
+/// Four beacons, three of them fixed, and an echo among the three ranges of the fourth.
+TEST(RangeNetwork, KeepsABeaconThatARejectionWouldLeaveUndetermined) {
+  const Warehouse w = cloud(8, 4, true, 0.01);
+  const auto result = calib::solve_range_network(
+      w.site, all_ranges(w, 9, 0.01, [](int a, int b) { return a == 0 && b == 3 ? 2.0 : 0.0; }));
+  ASSERT_TRUE(result);
+  EXPECT_LE(result->solved.outlying.size(), 1U);
+  const bool found = (result->solved.solution.points_m[3] - w.truth[3]).norm() < 0.1;
+  EXPECT_TRUE(found || result->ambiguous == std::vector<std::string>{"3"} ||
+              !result->solved.undetermined.empty());
 }
 
 }  // namespace range_network_test

@@ -24,7 +24,8 @@ TEST(RunCsv, RangesBetweenBeacons) {
   const test::TemporaryFolder folder;
   EXPECT_TRUE(read_beacon_flights(folder.path(), names, 0).value().flights.empty());
   folder.write("beacon_tof.csv",
-               "time_s,beacon_from,beacon_to,tof_s,level_dbm\n1,B0,B1,2e-8,-70\n2,B1,B0,nan,\n3,B1,B0,-1,\n");
+               "time_s,beacon_from,beacon_to,tof_s,level_dbm\n1,B0,B1,2e-8,-70\n2,B1,B0,nan,\n3,B1,B0,-1,\n"
+               "4,B0,B1,1e300,\n");
   const BeaconFlightLog log = read_beacon_flights(folder.path(), names, 3).value();
   ASSERT_EQ(log.flights.size(), 1U);
   EXPECT_EQ(log.flights[0].tof_s, 2e-8);
@@ -32,7 +33,7 @@ TEST(RunCsv, RangesBetweenBeacons) {
   EXPECT_EQ(log.flights[0].run, 3U);
   EXPECT_EQ(log.sha256.size(), 64U);
   ASSERT_EQ(log.warnings.size(), 1U);
-  EXPECT_THAT(log.warnings[0], testing::HasSubstr("2 rows left out"));
+  EXPECT_THAT(log.warnings[0], testing::HasSubstr("3 rows left out"));
   const std::string header = "time_s,beacon_from,beacon_to,tof_s\n";
   folder.write("beacon_tof.csv", header + "1,B0,B2,2e-8\n");
   test::expect_error(read_beacon_flights(folder.path(), names, 0), 2, "B2", "beacon_tof.csv");

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "models/physics/medium.h"
+
 namespace octant::test {
 namespace beacon_ranges_test {
 
@@ -48,6 +50,30 @@ TEST(BeaconRanges, AreCorrelatedByTheDelayOfACommonBeacon) {
   EXPECT_NEAR(covariance(0, 1), 4e-6, 1e-15);
   EXPECT_NEAR(covariance(0, 0), 2e-6 + 8e-6, 1e-15);
   EXPECT_LT((ranges.root * covariance * ranges.root.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-9);
+}
+
+TEST(BeaconRanges, CombineRecordingsAtDifferentTemperatures) {
+  Site site = three_beacons();
+  site.medium.model = MediumModel::kLinearTemperature;
+  std::vector<MeasurementLog> runs(2);
+  runs[0].temperature_degC = 0.0;
+  runs[1].temperature_degC = 40.0;
+  const double first_mps = speed_mps(site.medium, 0.0), second_mps = speed_mps(site.medium, 40.0);
+  const BeaconRanges ranges = beacon_ranges(site,
+                                            {{0.0, BeaconId(0), BeaconId(1), 0.75 + 300.0 / first_mps, 0},
+                                             {0.0, BeaconId(0), BeaconId(1), 0.75 + 300.0 / second_mps, 1}},
+                                            runs);
+  ASSERT_EQ(ranges.pairs.size(), 1U);
+  EXPECT_EQ(ranges.pairs[0].used, 2U);
+  EXPECT_NEAR(ranges.pairs[0].tof_s * ranges.pairs[0].model_speed_mps, 300.0, 1e-9);
+}
+
+TEST(BeaconRanges, PreferTheEarlierHalfOfTheTimes) {
+  const BeaconId a(0), b(1);
+  const BeaconRanges ranges = beacon_ranges(
+      three_beacons(), {{0.0, a, b, 1.75}, {1.0, a, b, 1.7501}, {2.0, a, b, 2.5}, {3.0, a, b, 2.5001}});
+  EXPECT_NEAR(ranges.pairs[0].tof_s, 1.00005, 1e-9);
+  EXPECT_EQ(ranges.pairs[0].left_out, 2U);
 }
 
 }  // namespace beacon_ranges_test
