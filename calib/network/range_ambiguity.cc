@@ -17,8 +17,8 @@ namespace {
 /// Difference of half squares below which two positions fit equally well.
 constexpr double kEqualFit = 4.0;
 /// Distance of two positions, in sigmas, below which they are the same.
-constexpr double kSamePlace = 4.0;
-constexpr int kSteps = 20;
+constexpr double kSamePosition = 4.0;
+constexpr int kResectionSteps = 20;
 
 /// One point with the observations of its position; the other points keep their adjusted positions.
 struct Resection {
@@ -53,7 +53,7 @@ std::pair<Eigen::VectorXd, double> resect(const Resection& at, Eigen::VectorXd x
   Eigen::MatrixXd normal;
   Eigen::VectorXd gradient;
   double cost = at.half_squares(x, &normal, &gradient), damping = 1e-6;
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < kResectionSteps; ++step) {
     const Eigen::MatrixXd damped =
         normal + damping * normal.trace() * Eigen::MatrixXd::Identity(x.size(), x.size());
     const Eigen::VectorXd next = x + damped.ldlt().solve(gradient);
@@ -109,7 +109,7 @@ bool is_ambiguous(const SolvedNetwork& solved, int p, int dimensions) {
   const auto [image, cost] = resect(at, here - 2.0 * across.dot(here - middle) * across);
   const double sigma_m =
       std::sqrt(solved.solution.point_covariances_m2[point].topLeftCorner(dimensions, dimensions).trace());
-  return (image - here).norm() > kSamePlace * sigma_m &&
+  return (image - here).norm() > kSamePosition * sigma_m &&
          cost - at.half_squares(here, nullptr, nullptr) < kEqualFit;
 }
 
