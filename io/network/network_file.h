@@ -45,7 +45,7 @@ void set_axes(NetworkFile& file, const std::string& axes, bool clockwise);
 
 /// Reads a survey.yaml (schema/data/survey.json). Errors: kBadInput with the line.
 [[nodiscard]] Result<NetworkFile> read_survey(const std::string& path);
-/// The same content as a survey.yaml, which gives the same adjustment.
+/// Text of a survey.yaml whose adjustment equals that of the network.
 [[nodiscard]] std::string survey_to_yaml(const NetworkFile& file);
 
 }  // namespace octant::io

@@ -32,16 +32,6 @@ class ColumnFinder {
   }
 
  private:
-  [[nodiscard]] tl::unexpected<Error> error(int line, std::string found, std::string expected,
-                                            std::string advice = "") const {
-    return fail({.code = Errc::kBadInput,
-                 .file = path_,
-                 .line = line,
-                 .found = std::move(found),
-                 .expected = std::move(expected),
-                 .advice = std::move(advice)});
-  }
-
   Result<void> check_sources() const {
     std::vector<std::string> missing;
     for (const ColumnRule& rule : mapping_.columns) {
@@ -56,17 +46,20 @@ class ColumnFinder {
     }
     if (missing.empty()) return {};
     if (layout_.header_line > 0)
-      return error(layout_.header_line, fmt::format("the table has no column {}", listed(missing)),
-                   fmt::format("columns of its header: {}", listed(layout_.names, 20)));
+      return table_error(path_, layout_.header_line,
+                         fmt::format("the table has no column {}", listed(missing)),
+                         fmt::format("columns of its header: {}", listed(layout_.names, 20)));
     const bool numbered = std::ranges::all_of(mapping_.columns, is_numbered);
     if (numbered)
-      return error(layout_.first_row_line, fmt::format("the table has no column {}", listed(missing)),
-                   fmt::format("numbers of its {} columns", layout_.names.size()));
-    return error(layout_.first_row_line, "the first line holds numbers only: the table has no header line",
-                 "a line with names of columns",
-                 fmt::format("name the columns by their numbers: --columns {}",
-                             out_.one_each ? "time=#1,distance:A1=#2,distance:A2=#3"
-                                           : "time=#1,beacon=#2,distance=#3"));
+      return table_error(path_, layout_.first_row_line,
+                         fmt::format("the table has no column {}", listed(missing)),
+                         fmt::format("numbers of its {} columns", layout_.names.size()));
+    return table_error(path_, layout_.first_row_line,
+                       "the first line holds numbers only: the table has no header line",
+                       "a line with names of columns",
+                       fmt::format("name the columns by their numbers: --columns {}",
+                                   out_.one_each ? "time=#1,distance:A1=#2,distance:A2=#3"
+                                                 : "time=#1,beacon=#2,distance=#3"));
   }
 
   Result<void> add_columns(const ColumnRule& rule) {
@@ -87,7 +80,8 @@ class ColumnFinder {
       } else if (!column.target->is_id && rule.target != "time_s" && layout_.header_line > 0) {
         const auto unit = unit_of_column(name, rule.target);
         if (!unit)
-          return error(layout_.header_line, unit.error().found, unit.error().expected, unit.error().advice);
+          return table_error(path_, layout_.header_line, unit.error().found, unit.error().expected,
+                             unit.error().advice);
         column.unit = *unit;
       }
       if (rule.target == "time_s") {
@@ -120,8 +114,9 @@ class ColumnFinder {
   Result<void> find_time() {
     if (!out_.time_cell) {
       if (mapping_.period_s) return {};
-      return error(layout_.header_line, "no column is named as the time", "time=COLUMN in --columns",
-                   "for lines at equal intervals, state the interval: --period-s 0.1");
+      return table_error(path_, layout_.header_line, "no column is named as the time",
+                         "time=COLUMN in --columns",
+                         "for lines at equal intervals, state the interval: --period-s 0.1");
     }
     std::vector<std::string> cells;
     for (const auto& row : layout_.rows)
@@ -133,7 +128,8 @@ class ColumnFinder {
         time_column(layout_.header_line > 0 ? layout_.names[*out_.time_cell] : "", cells, layout_.decimal,
                     mapping_.time_format, rule->factor, source_.are_guessed && !has_stops);
     if (!time)
-      return error(layout_.header_line, time.error().found, time.error().expected, time.error().advice);
+      return table_error(path_, layout_.header_line, time.error().found, time.error().expected,
+                         time.error().advice);
     out_.time = std::move(*time);
     return {};
   }

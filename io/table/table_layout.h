@@ -14,6 +14,17 @@
 
 namespace octant::io {
 
+/// Error of a table (kBadInput) at a line.
+[[nodiscard]] inline tl::unexpected<Error> table_error(const std::string& path, int line, std::string found,
+                                                       std::string expected, std::string advice = "") {
+  return fail({.code = Errc::kBadInput,
+               .file = path,
+               .line = line,
+               .found = std::move(found),
+               .expected = std::move(expected),
+               .advice = std::move(advice)});
+}
+
 /// Lines of a text that are neither blank nor comments (# or %), with their numbers.
 class TableLines {
  public:

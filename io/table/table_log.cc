@@ -55,15 +55,6 @@ class TableReader {
   }
 
  private:
-  [[nodiscard]] tl::unexpected<Error> error(int line, std::string found, std::string expected,
-                                            std::string advice = "") const {
-    return fail({.code = Errc::kBadInput,
-                 .file = path_,
-                 .line = line,
-                 .found = std::move(found),
-                 .expected = std::move(expected),
-                 .advice = std::move(advice)});
-  }
   /// Adds a line about the table. @param option  overrules what was guessed; empty: stated, or certain
   void understood(const std::string& line, const std::string& option = "") {
     out_.understood.push_back(line);
@@ -211,8 +202,8 @@ class TableReader {
     }
     if (column.target->name == "received_s")
       if (const auto time_s = time_of_text(cell, columns_.time.order)) return *time_s;
-    return error(line_, fmt::format("{} in column {}", in_quotes(cell), in_quotes(column.name)), "a number",
-                 advice_for(cell));
+    return table_error(path_, line_, fmt::format("{} in column {}", in_quotes(cell), in_quotes(column.name)),
+                       "a number", advice_for(cell));
   }
   [[nodiscard]] std::string advice_for(const std::string& cell) const {
     if (cell.find(',') != std::string::npos && layout_.delimiter == ',')
@@ -229,8 +220,8 @@ class TableReader {
                             cell_number(cells[*columns_.clock_cell], layout_.decimal, below))
       *value += scaled(below, *columns_.below_unit_s);
     if (!value && !is_no_value(cell))
-      return error(
-          line_,
+      return table_error(
+          path_, line_,
           fmt::format("{} in column {}", in_quotes(cell), in_quotes(layout_.names[*columns_.time_cell])),
           "a number, or a date and time such as 2026-06-11 11:33:48.686", advice_for(cell));
     if (!value || !std::isfinite(*value)) return std::nan("");
@@ -292,8 +283,8 @@ class TableReader {
       out_.log.arrivals.push_back(row);
     }
     if (!too_many_names_) return {};
-    return error(line_, fmt::format("more than {} names", kMostImportedNames),
-                 "as many as there may be at a site");
+    return table_error(path_, line_, fmt::format("more than {} names", kMostImportedNames),
+                       "as many as there may be at a site");
   }
 
   /// A name as it was before a spreadsheet made a number of it: 7 for 7.0.
@@ -322,13 +313,16 @@ class TableReader {
     auto& log = out_.log;
     const std::size_t rows = log.arrivals.size() + log.not_heard + log.ignored_rows() + dropped_ + filtered_;
     if (left_out_ > 0 && left_out_ >= rows)
-      return error(first_left_out_, fmt::format("a row that does not fit the columns: {}", left_out_text_),
-                   fmt::format("{} cells, with numbers as times and values", layout_.names.size()),
-                   "if numbers have commas, put them in quotes or separate the cells by semicolons");
+      return table_error(path_, first_left_out_,
+                         fmt::format("a row that does not fit the columns: {}", left_out_text_),
+                         fmt::format("{} cells, with numbers as times and values", layout_.names.size()),
+                         "if numbers have commas, put them in quotes or separate the cells by semicolons");
     if (rows == 0 && untimed_ > 0)
-      return error(layout_.first_row_line, "a row without a time", "a number, or a date and time");
+      return table_error(path_, layout_.first_row_line, "a row without a time",
+                         "a number, or a date and time");
     if (rows == 0)
-      return error(layout_.header_line, "the table has no rows under its header", "a row an arrival");
+      return table_error(path_, layout_.header_line, "the table has no rows under its header",
+                         "a row an arrival");
     const auto warn = [&](std::string text) { log.warnings.push_back(fmt::format("{}{}", path_, text)); };
     if (left_out_ > 0)
       warn(fmt::format(":{}: {} lines are no rows of the table and are left out; the first one is {}",
