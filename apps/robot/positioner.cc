@@ -55,6 +55,43 @@ struct Positioner::Inside {
   std::function<void(const Alarm&)> alarm_sink;
   std::vector<Arrival> arrivals;
 
+  [[nodiscard]] static std::unique_ptr<Inside> make(Result<Deployment> deployment,
+                                                    const OdometryNoise& odometry, double lateness_s,
+                                                    bool watch) {
+    auto inside = std::make_unique<Inside>();
+    if (!deployment) {
+      inside->error = deployment.error().message();
+    } else if (!is_noise(odometry)) {
+      inside->error = "the noise of the odometry is no number from 0 on";
+    } else if (!(lateness_s >= 0.0) || !std::isfinite(lateness_s)) {
+      inside->error = "the lateness is no number from 0 on";
+    } else {
+      inside->begin(std::move(*deployment), odometry, lateness_s, watch);
+    }
+    return inside;
+  }
+
+  void begin(Deployment deployment, const OdometryNoise& odometry, double lateness_s, bool watch) {
+    names = names_of(deployment);
+    at_rest = std::make_unique<LeastSquaresLocalizer>(deployment);
+    FollowOptions options;
+    options.odometry = {.distance_sigma_m_per_sqrt_m = odometry.distance_sigma_m_per_sqrt_m,
+                        .heading_sigma_rad_per_sqrt_m = odometry.heading_sigma_rad_per_sqrt_m,
+                        .heading_sigma_per_rad = odometry.heading_sigma_per_rad,
+                        .floor_m = odometry.floor_m,
+                        .floor_rad = odometry.floor_rad};
+    options.lateness_s = lateness_s;
+    options.watch = watch;
+    follower = std::make_unique<Follower>(std::move(deployment), options);
+    // The address of this object does not change when a positioner is moved.
+    follower->on_fix = [this](const Fix& fix) {
+      if (sink) sink(place_of(fix));
+    };
+    follower->on_alarm = [this](const WatchAlarm& found) {
+      if (alarm_sink) alarm_sink(alarm(found));
+    };
+  }
+
   /// An unknown name gives an id that is not valid, which every localizer rejects.
   [[nodiscard]] Arrival arrival(const Heard& heard) const {
     Arrival a;
@@ -88,40 +125,16 @@ struct Positioner::Inside {
   }
 };
 
+Positioner::Positioner(std::unique_ptr<Inside> inside) : inside_(std::move(inside)) {}
+
 Positioner::Positioner(const std::string& deployment_path, const OdometryNoise& odometry, double lateness_s,
                        bool watch)
-    : inside_(std::make_unique<Inside>()) {
-  auto deployment = io::read_deployment(deployment_path);
-  if (!deployment) {
-    inside_->error = deployment.error().message();
-    return;
-  }
-  if (!is_noise(odometry)) {
-    inside_->error = "the noise of the odometry is no number from 0 on";
-    return;
-  }
-  if (!(lateness_s >= 0.0) || !std::isfinite(lateness_s)) {
-    inside_->error = "the lateness is no number from 0 on";
-    return;
-  }
-  inside_->names = names_of(*deployment);
-  inside_->at_rest = std::make_unique<LeastSquaresLocalizer>(*deployment);
-  FollowOptions options;
-  options.odometry = {.distance_sigma_m_per_sqrt_m = odometry.distance_sigma_m_per_sqrt_m,
-                      .heading_sigma_rad_per_sqrt_m = odometry.heading_sigma_rad_per_sqrt_m,
-                      .heading_sigma_per_rad = odometry.heading_sigma_per_rad,
-                      .floor_m = odometry.floor_m,
-                      .floor_rad = odometry.floor_rad};
-  options.lateness_s = lateness_s;
-  options.watch = watch;
-  inside_->follower = std::make_unique<Follower>(std::move(*deployment), options);
-  // The address of `inside` does not change when a positioner is moved.
-  inside_->follower->on_fix = [inside = inside_.get()](const Fix& fix) {
-    if (inside->sink) inside->sink(place_of(fix));
-  };
-  inside_->follower->on_alarm = [inside = inside_.get()](const WatchAlarm& found) {
-    if (inside->alarm_sink) inside->alarm_sink(inside->alarm(found));
-  };
+    : Positioner(Inside::make(io::read_deployment(deployment_path), odometry, lateness_s, watch)) {}
+
+Positioner Positioner::from_text(std::string_view deployment, const OdometryNoise& odometry,
+                                 double lateness_s, bool watch) {
+  return Positioner(Inside::make(io::deployment_from_json(std::string(deployment), "the text"), odometry,
+                                 lateness_s, watch));
 }
 
 Positioner::~Positioner() = default;

@@ -102,6 +102,9 @@ class [[gnu::visibility("default")]] Positioner {
   /// @param watch  also monitors beacons and receivers; see on_alarm
   explicit Positioner(const std::string& deployment_path, const OdometryNoise& odometry = {},
                       double lateness_s = 0.2, bool watch = false);
+  /// Reads the text of a deployment file instead of a file.
+  [[nodiscard]] static Positioner from_text(std::string_view deployment, const OdometryNoise& odometry = {},
+                                            double lateness_s = 0.2, bool watch = false);
   ~Positioner();
   Positioner(Positioner &&) noexcept;
   Positioner& operator=(Positioner&&) noexcept;
@@ -130,6 +133,7 @@ class [[gnu::visibility("default")]] Positioner {
 
  private:
   struct Inside;
+  explicit Positioner(std::unique_ptr<Inside> inside);
   std::unique_ptr<Inside> inside_;
 };
 

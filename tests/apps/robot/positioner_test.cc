@@ -12,32 +12,11 @@
 #include "models/live/follower.h"
 #include "models/localizers/least_squares/epoch_fix.h"
 #include "models/trajectory/trajectory.h"
-#include "tests/io/io_support.h"
+#include "tests/apps/robot/robot.h"
 #include "tests/support/worlds.h"
 
 namespace octant::test {
 namespace positioner_test {
-
-/// A deployment on disk, and its names.
-class Robot {
- public:
-  explicit Robot(const World& world) : names_(names_of(world.truth)) {
-    EXPECT_TRUE(io::write_deployment(path(), world.truth));
-  }
-  [[nodiscard]] std::string path() const { return folder_.path("deployment.json"); }
-
-  [[nodiscard]] Heard heard(const Arrival& a) const {
-    return {.beacon = names_.beacons[a.beacon.index()],
-            .tof_s = a.tof_s,
-            .receiver = names_.receivers[a.receiver.index()].name,
-            .time_s = a.time_s,
-            .epoch = a.epoch == kNoEpoch ? Heard::kNone : a.epoch};
-  }
-
- private:
-  io::test::TemporaryFolder folder_;
-  NameTable names_;
-};
 
 Moved planar(const OdometryStep& s) { return {s.time_s, s.dx_m, s.dy_m, s.dheading_rad}; }
 Moved spatial(const OdometryStep& s) {
@@ -297,6 +276,14 @@ TEST(Positioner, MovesWithItsSink) {
   EXPECT_FALSE(second.hear({.beacon = "nobody", .tof_s = 0.01, .time_s = 1e-3}));
   second.flush();
   EXPECT_EQ(places, 1);
+}
+
+TEST(Positioner, ReadsADeploymentFromMemory) {
+  const World world = must(simulate(hall_scenario(), 5));
+  EXPECT_TRUE(Positioner::from_text(io::deployment_to_json(world.truth)));
+  const Positioner empty = Positioner::from_text("{}");
+  EXPECT_FALSE(empty);
+  EXPECT_NE(empty.error(), "");
 }
 
 }  // namespace positioner_test
