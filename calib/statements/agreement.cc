@@ -104,11 +104,11 @@ struct Places {
   std::size_t heard = 0, left_out = 0, early = 0;
 };
 
-Places places_of(const Fit& fit, std::size_t beacon) {
+Places places_of(const Fit& fit, std::size_t beacon, double from_s = -INFINITY, double to_s = INFINITY) {
   std::set<Place> heard, left_out, early;
   for (const Trajectory& t : fit.trajectories)
     for (const ArrivalObservation& a : t.arrivals) {
-      if (a.beacon.index() != beacon || !is_counted(t, a)) continue;
+      if (a.beacon.index() != beacon || !is_counted(t, a) || a.time_s < from_s || a.time_s > to_s) continue;
       const Place place = place_at(t.nodes[a.node].T_map_vehicle.translation_m, fit.problem.typical_range_m);
       heard.insert(place);
       if (is_outlier(a.rejection)) left_out.insert(place);
@@ -233,6 +233,10 @@ class Checker {
     const std::optional<Move> best = likeliest_move(b);
     if (!best || !(best->cost < most_cost_) || best->by_m.norm() < kMovedMatters * tolerance_m(problem_) ||
         2 * (cost_without_move() - best->cost) < least_gain_)
+      return false;
+    // The position before or after the move, if it is determined by few places, absorbs any error of these.
+    if (places_of(fit_, b, -INFINITY, best->time_s).heard < kFewestPlaces ||
+        places_of(fit_, b, best->time_s, INFINITY).heard < kFewestPlaces)
       return false;
     // The rejected arrivals must agree after the move; otherwise it is not the cause.
     const double left_out = 0.5 * options_.rejection_sigmas * options_.rejection_sigmas *

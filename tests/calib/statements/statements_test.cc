@@ -19,6 +19,7 @@ using testing::AnyOf;
 using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 /// The one contradiction that is to be found.
 Contradiction only(const calib::Solution& solution) {
@@ -254,6 +255,20 @@ TEST(Agreement, ABeaconThatMovedIsNamedAndWhen) {
 TEST(Agreement, AMoveThatRejectsFewArrivalsIsNamed) {
   for (std::uint64_t seed = 12; seed < 15; ++seed)
     EXPECT_THAT(all_in_words(solution_of(with_moved_beacon(seed, 0.03, 0.5).world)), HasSubstr("B4"));
+}
+
+// Few stops do not determine whether a beacon moved or errs there, however many arrivals they have.
+TEST(Agreement, ErrorsOfTheLastStopsAreNoMove) {
+  for (std::uint64_t seed = 12; seed < 15; ++seed) {
+    MovedBeacon moved = with_moved_beacon(seed, 0.1, 0.96);
+    MeasurementLog& run = moved.world.run;
+    std::vector<Arrival> more;
+    for (const Arrival& a : run.arrivals)
+      if (a.time_s > run.arrivals.front().time_s + moved.after_s) more.insert(more.end(), 10, a);
+    run.arrivals.insert(run.arrivals.end(), more.begin(), more.end());
+    std::ranges::stable_sort(run.arrivals, {}, &Arrival::time_s);
+    EXPECT_THAT(all_in_words(solution_of(moved.world)), Not(HasSubstr("to move by"))) << "seed " << seed;
+  }
 }
 
 TEST(Agreement, ABeaconThatIsLateBehindAnObstacleIsNamedAndHarmsNothing) {
