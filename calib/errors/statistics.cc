@@ -96,24 +96,32 @@ std::size_t observed_directions(const Trajectory& t, const Segment& segment, con
          static_cast<std::size_t>((information.array() > 1.0 / (kBlindRad * kBlindRad)).count());
 }
 
+/// Part of an observation that its states absorb.
+double leverage_of(const ObservationRow& row, const ChainWindow& window, std::size_t node) {
+  double leverage = row.by_node.dot(window.marginal[node] * row.by_node.transpose());
+  if (row.has_next)
+    leverage += 2 * row.by_node.dot(window.cross[node] * row.by_next.transpose()) +
+                row.by_next.dot(window.marginal[node + 1] * row.by_next.transpose());
+  return leverage;
+}
+
 PoseSquares squares_of_poses(const Trajectory& t, const Segment& segment, const SharedState& state) {
   PoseSquares of_all;
-  std::size_t pose = segment.last_pose;  // windows come from the end
+  std::size_t pose = segment.last_pose, step = segment.last_odometry;  // windows come from the end
   ChainVariant chain;
   chain.visit = [&](const ChainWindow& window) {
     ObservationRow rows[6];
-    for (; pose > segment.first_pose && t.poses[pose - 1].node >= window.first_node; --pose) {
-      const std::size_t node = t.poses[pose - 1].node - window.first_node;
-      const int count = pose_rows(t, pose - 1, rows);
+    const auto add = [&](std::size_t node, int count, double& squares, double& redundancy) {
       for (const ObservationRow& row : std::span(rows, static_cast<std::size_t>(count))) {
-        double leverage = row.by_node.dot(window.marginal[node] * row.by_node.transpose());
-        if (row.has_next)
-          leverage += 2 * row.by_node.dot(window.cross[node] * row.by_next.transpose()) +
-                      row.by_next.dot(window.marginal[node + 1] * row.by_next.transpose());
-        of_all.squares += row.residual * row.residual;
-        of_all.redundancy += 1.0 - leverage;
+        squares += row.residual * row.residual;
+        redundancy += 1.0 - leverage_of(row, window, node - window.first_node);
       }
-    }
+    };
+    for (; pose > segment.first_pose && t.poses[pose - 1].node >= window.first_node; --pose)
+      add(t.poses[pose - 1].node, pose_rows(t, pose - 1, rows), of_all.squares, of_all.redundancy);
+    for (; step > segment.first_odometry && t.odometry[step - 1].node >= window.first_node; --step)
+      add(t.odometry[step - 1].node, odometry_rows(t, step - 1, rows), of_all.odometry_squares,
+          of_all.odometry_redundancy);
   };
   const bool is_determined = solve_by_windows(t, segment, state, {&chain, 1}).front();
   return is_determined ? of_all : PoseSquares{};
@@ -203,10 +211,13 @@ CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayou
 NoiseFactors NoiseSearch::step(const DataSquares& data) {
   constexpr double kFewest = 30.0, kSigmas = 4.0, kLeast = 0.1;
   const PoseSquares& poses = data.poses;
-  const double redundancy = data.redundancy - poses.redundancy, squares = 2 * data.cost - poses.squares;
+  // Odometry that is better or worse than stated says nothing about the arrivals.
+  const double data_squares = 2 * data.cost - poses.odometry_squares,
+               data_redundancy = data.redundancy - poses.odometry_redundancy;
+  const double redundancy = data_redundancy - poses.redundancy, squares = data_squares - poses.squares;
   const bool are_better = poses.redundancy >= kFewest && redundancy >= kFewest && squares > 0 &&
                           poses.squares / poses.redundancy < 1 - kSigmas * std::sqrt(2 / poses.redundancy);
-  if (!are_better) return {.arrivals = step_of_arrivals(data.cost, data.redundancy)};
+  if (!are_better) return {.arrivals = step_of_arrivals(0.5 * data_squares, data_redundancy)};
   variance_before_.reset();  // belongs to another weight of the poses
   NoiseFactors factors{std::sqrt(squares / redundancy),
                        std::max(kLeast, std::sqrt(poses.squares / poses.redundancy))};

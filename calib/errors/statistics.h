@@ -10,12 +10,16 @@
 
 namespace octant::calib {
 
-/// Measured poses and their share of the redundancy, with fixed shared parameters.
+/// Measured poses, and the odometry between them: squares, and share of the redundancy with fixed shared
+/// parameters.
 struct PoseSquares {
-  double squares = 0.0, redundancy = 0.0;
+  double squares = 0.0, redundancy = 0.0;  ///< of the poses
+  double odometry_squares = 0.0, odometry_redundancy = 0.0;
   void add(const PoseSquares& other) {
     squares += other.squares;
     redundancy += other.redundancy;
+    odometry_squares += other.odometry_squares;
+    odometry_redundancy += other.odometry_redundancy;
   }
 };
 /// Needs a pass over the states, so it is computed only where the noise is estimated.
@@ -65,6 +69,8 @@ struct NoiseFactors {
 /// adjustment for each step. If there are only arrivals, the variance factor is proportional to 1 / f^2 for a
 /// noise factor f, and one step suffices. Odometry, whose noise is fixed, and measured poses keep a part that
 /// does not depend on f: steps then follow a + b / f^2 through the last two adjustments.
+///
+/// Odometry between measured poses does not count, because its noise is fixed.
 ///
 /// Poses that are more accurate than expected would reduce the noise of the arrivals without bound. They get
 /// their own variance component: each of the two is multiplied by the ratio of its squares to its redundancy

@@ -94,6 +94,17 @@ TEST(NoiseSearch, PosesBetterThanStatedLeaveTheArrivalsTheirs) {
   EXPECT_LT(of_poses, 0.2);
 }
 
+TEST(NoiseSearch, OdometryBetweenPosesSaysNothingAboutTheArrivals) {
+  for (const double odometry : {0.0, 4000.0}) {
+    DataSquares data = moments(8, 1.0, 1.0, 1.0, 1.0);
+    data.poses.odometry_squares = odometry;
+    data.poses.odometry_redundancy = 1000.0;
+    data.cost += 0.5 * odometry;
+    data.redundancy += 1000.0;
+    EXPECT_EQ(NoiseSearch().step(data).arrivals, 1.0) << odometry;
+  }
+}
+
 TEST(NoiseSearch, KeepsTheRatioOfWhatTheDataCannotTellApart) {
   const auto [arrivals, poses] = variances_found(1, 0.1, 0.0);
   EXPECT_NEAR(arrivals, 0.05, 0.01);
@@ -119,7 +130,7 @@ TEST(SquaresOfPoses, HaveTheirShareOfTheRedundancy) {
     const SharedState state = prior_state(problem.site);
     Trajectory t = problem.trajectories.front();
     for (Node& node : t.nodes) node.placed = true;
-    double squares = 0.0, redundancy = 0.0;
+    PoseSquares dense;
     for (const Segment& segment : t.segments) {
       ChainSystem system;
       build_chain_system(t, segment, state, RobustLoss{}, system);
@@ -135,8 +146,8 @@ TEST(SquaresOfPoses, HaveTheirShareOfTheRedundancy) {
       }
       const Eigen::MatrixXd P = H.inverse();
       ObservationRow rows[6];
-      for (std::size_t i = segment.first_pose; i < segment.last_pose; ++i)
-        for (int count = pose_rows(t, i, rows), k = 0; k < count; ++k) {
+      const auto add = [&](int count, double& squares, double& redundancy) {
+        for (int k = 0; k < count; ++k) {
           Eigen::RowVectorXd J = Eigen::RowVectorXd::Zero(size);
           const auto at = n * static_cast<Eigen::Index>(rows[k].node - segment.first_node);
           J.segment(at, n) = rows[k].by_node;
@@ -144,11 +155,19 @@ TEST(SquaresOfPoses, HaveTheirShareOfTheRedundancy) {
           squares += rows[k].residual * rows[k].residual;
           redundancy += 1.0 - (J * P).dot(J);
         }
+      };
+      for (std::size_t i = segment.first_pose; i < segment.last_pose; ++i)
+        add(pose_rows(t, i, rows), dense.squares, dense.redundancy);
+      for (std::size_t i = segment.first_odometry; i < segment.last_odometry; ++i)
+        add(odometry_rows(t, i, rows), dense.odometry_squares, dense.odometry_redundancy);
     }
     const PoseSquares counted = squares_of_poses(t, state);
-    EXPECT_NEAR(counted.squares, squares, 1e-9 * squares);
-    EXPECT_NEAR(counted.redundancy, redundancy, 1e-8 * redundancy);
-    EXPECT_GT(redundancy, 10.0);
+    EXPECT_NEAR(counted.squares, dense.squares, 1e-9 * dense.squares);
+    EXPECT_NEAR(counted.redundancy, dense.redundancy, 1e-8 * dense.redundancy);
+    EXPECT_NEAR(counted.odometry_squares, dense.odometry_squares, 1e-9 * dense.odometry_squares);
+    EXPECT_NEAR(counted.odometry_redundancy, dense.odometry_redundancy, 1e-8 * dense.odometry_redundancy);
+    EXPECT_GT(dense.redundancy, 10.0);
+    EXPECT_EQ(dense.odometry_redundancy > 10.0, has_odometry);
   }
 }
 
