@@ -7,7 +7,6 @@
 #include "calib/problem/ranges.h"
 #include "calib/solution/variances.h"
 #include "calib/verdict/validity.h"
-#include "models/physics/polygon.h"
 #include "models/trajectory/linearise.h"
 
 namespace octant::calib {
@@ -97,13 +96,14 @@ void add_hearing(const Solution& solution, Deployment& d) {
 void add_validity(const Problem& problem, const Solution& solution, Deployment& d) {
   LogExtent extent;
   if (solution.totals) {  // the trajectories are a part of the log
-    extent = {solution.totals->area_m, solution.totals->coldest_degC, solution.totals->hottest_degC};
+    extent = solution.totals->extent;
   } else {
-    for (const Trajectory& t : solution.trajectories) extent.add(t, problem.runs[t.run], problem.site);
+    for (const Trajectory& t : solution.trajectories)
+      extent.include(extent_of(t, problem.runs[t.run], problem.site));
   }
   if (extent.coldest_degC <= extent.hottest_degC && problem.site.medium.model != MediumModel::kConstant)
     d.validity_temperature_degC = {extent.coldest_degC, extent.hottest_degC};
-  d.validity_area_m = convex_hull(std::move(extent.places_m));
+  set_valid_space(std::move(extent), d);
   d.validity_reach_m = heard_reach_m(solution.trajectories, d.beacons);
 }
 

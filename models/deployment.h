@@ -111,6 +111,8 @@ struct Deployment {
   Tolerance tolerance;
   std::optional<std::array<double, 2>> validity_temperature_degC;
   std::vector<Eigen::Vector2d> validity_area_m;  ///< convex hull of the calibrated poses, counter-clockwise
+  /// Lowest and highest calibrated origin of a vehicle, in space only [m].
+  std::optional<std::array<double, 2>> validity_heights_m;
   /// Distance beyond which the vehicle received nothing during calibration although it should have. No value
   /// if the recordings do not determine the reach of a beacon [m].
   std::optional<double> validity_reach_m;

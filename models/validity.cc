@@ -80,6 +80,13 @@ double distance_from_area_m(const std::vector<Eigen::Vector2d>& area, const Eige
   return area.empty() || is_inside(area, point) ? 0.0 : distance_to_outline_m(area, point);
 }
 
+double distance_from_validity_m(const Deployment& d, const Eigen::Vector3d& p) {
+  double off_m = 0.0;
+  if (const auto& heights = d.validity_heights_m)
+    off_m = std::max({0.0, (*heights)[0] - p.z(), p.z() - (*heights)[1]});
+  return std::hypot(off_m, distance_from_area_m(d.validity_area_m, p.head<2>()));
+}
+
 OutsideValidity outside_validity(const Deployment& d, const MeasurementLog& run, std::span<const Fix> fixes) {
   OutsideValidity out;
   check_temperature(d, run, out);
@@ -87,7 +94,7 @@ OutsideValidity outside_validity(const Deployment& d, const MeasurementLog& run,
   for (const Fix& fix : fixes) {
     if (!fix.ok()) continue;
     ++out.fixes;
-    const double away_m = distance_from_area_m(d.validity_area_m, fix.T_map_vehicle.translation_m.head<2>());
+    const double away_m = distance_from_validity_m(d, fix.T_map_vehicle.translation_m);
     if (away_m <= margin_m) continue;
     ++out.outside;
     out.farthest_m = std::max(out.farthest_m, away_m);

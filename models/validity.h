@@ -55,6 +55,9 @@ struct CalibrationDue {
 /// @return no value if neither limit is given, or if `created` is not a date
 [[nodiscard]] std::optional<CalibrationDue> calibration_due(const Deployment& deployment);
 
+/// Distance of a position from the calibrated area and, in space, from the calibrated heights [m]; 0 inside.
+[[nodiscard]] double distance_from_validity_m(const Deployment& deployment, const Eigen::Vector3d& p_map_m);
+
 /// Distance of a point from an area like Deployment::validity_area_m (which may degenerate to a line or a
 /// point) [m]; 0 inside.
 [[nodiscard]] double distance_from_area_m(const std::vector<Eigen::Vector2d>& area_m,

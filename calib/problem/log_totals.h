@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -45,14 +46,28 @@ template <class Owner>
                           [](const ArrivalObservation& a) { return a.beacon.index(); });
 }
 
+/// Positions of the vehicles and range of temperatures at the arrivals.
+struct LogExtent {
+  std::vector<Eigen::Vector2d> places_m;  ///< in the plane; corners of their convex hull are sufficient
+  double lowest_m = INFINITY, highest_m = -INFINITY;
+  double coldest_degC = INFINITY, hottest_degC = -INFINITY;
+
+  void include(const LogExtent& other) {
+    places_m.insert(places_m.end(), other.places_m.begin(), other.places_m.end());
+    lowest_m = std::min(lowest_m, other.lowest_m);
+    highest_m = std::max(highest_m, other.highest_m);
+    coldest_degC = std::min(coldest_degC, other.coldest_degC);
+    hottest_degC = std::max(hottest_degC, other.hottest_degC);
+  }
+};
+
 /// Totals of all epochs of a log of which only a sample is in memory as a trajectory.
 struct LogTotals {
   std::size_t stride = 1;
   std::size_t epochs = 0;
   /// Arrivals of each beacon by what became of them.
   std::vector<RejectionCounts> of_beacon;
-  std::vector<Eigen::Vector2d> area_m;  ///< corners of the convex hull of all places
-  double coldest_degC = INFINITY, hottest_degC = -INFINITY;
+  LogExtent extent;
 
   [[nodiscard]] std::size_t used() const {
     std::size_t sum = 0;

@@ -13,7 +13,6 @@
 #include "calib/problem/ranges.h"
 #include "calib/verdict/validity.h"
 #include "models/changes/deployment_number.h"
-#include "models/physics/polygon.h"
 #include "models/support/decompositions.h"
 
 namespace octant::calib {
@@ -122,13 +121,17 @@ MediumFound thermometer_of(const Deployment& d, const std::vector<MeasurementLog
 void extend_validity(Deployment& d, const std::vector<Trajectory>& trajectories, const Problem& problem,
                      bool temperature_known) {
   LogExtent extent{d.validity_area_m};
-  for (const Trajectory& t : trajectories) extent.add(t, problem.runs[t.run], problem.site);
+  if (d.validity_heights_m) {
+    extent.lowest_m = d.validity_heights_m->front();
+    extent.highest_m = d.validity_heights_m->back();
+  }
+  for (const Trajectory& t : trajectories) extent.include(extent_of(t, problem.runs[t.run], problem.site));
   if (d.validity_temperature_degC && temperature_known) {
     auto& [coldest, hottest] = *d.validity_temperature_degC;
     coldest = std::min(coldest, extent.coldest_degC);
     hottest = std::max(hottest, extent.hottest_degC);
   }
-  d.validity_area_m = convex_hull(std::move(extent.places_m));
+  set_valid_space(std::move(extent), d);
   if (const auto now_m = heard_reach_m(trajectories, d.beacons))
     d.validity_reach_m = std::max(*now_m, d.validity_reach_m.value_or(0.0));
 }

@@ -43,7 +43,8 @@ void exchange(Buffer& buffer, BufferRecord<LeftOutBearing> auto&& b) {
 template <class Buffer>
 void exchange(Buffer& buffer, BufferRecord<PartFindings> auto&& f) {
   buffer.exchange(f.run, f.vehicle, f.counts, f.stateless, f.stateless_line, f.flipped, f.bearings,
-                  f.of_beacon, f.extent.places_m, f.extent.coldest_degC, f.extent.hottest_degC);
+                  f.of_beacon, f.extent.places_m, f.extent.lowest_m, f.extent.highest_m,
+                  f.extent.coldest_degC, f.extent.hottest_degC);
 }
 
 FindingsGatherer::FindingsGatherer(const Problem& frame, const Estimate& estimate, std::size_t states)
@@ -70,7 +71,7 @@ void FindingsGatherer::write(const TrajectoryFindings& part, std::vector<double>
   for (const ArrivalObservation& a : t.arrivals) f.of_beacon[a.beacon.index()].add(a.rejection);
   for (const std::size_t a : t.stateless_arrivals)
     f.of_beacon[part.log.arrivals[a].beacon.index()].add(Rejection::kNoPose);
-  f.extent.add(t, part.log, frame_.site);
+  f.extent = extent_of(t, part.log, frame_.site);
   f.extent.places_m = convex_hull(std::move(f.extent.places_m));
   BufferWriter buffer(numbers);
   buffer.exchange(f);
@@ -93,9 +94,7 @@ void FindingsGatherer::read(const std::vector<double>& numbers) {
       if (bearing.reason != Rejection::kUsed) findings_.left_out.bearings.push_back(bearing);
     }
     for (std::size_t b = 0; b < f.of_beacon.size(); ++b) totals_.of_beacon[b].add(f.of_beacon[b]);
-    totals_.area_m.insert(totals_.area_m.end(), f.extent.places_m.begin(), f.extent.places_m.end());
-    totals_.coldest_degC = std::min(totals_.coldest_degC, f.extent.coldest_degC);
-    totals_.hottest_degC = std::max(totals_.hottest_degC, f.extent.hottest_degC);
+    totals_.extent.include(f.extent);
     read_trajectory(model_, buffer, of.some, findings_.arrivals[f.run]);
   }
 }
@@ -119,7 +118,7 @@ GatheredFindings FindingsGatherer::findings(const Estimate& estimate) && {
     if (!of.some.nodes.empty()) findings_.trajectories.push_back(std::move(of.some));
   }
   leave_out_bearings_of_no_state();
-  totals_.area_m = convex_hull(std::move(totals_.area_m));
+  totals_.extent.places_m = convex_hull(std::move(totals_.extent.places_m));
   f.totals = std::move(totals_);
   return std::move(findings_);
 }

@@ -4,20 +4,35 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 #include "calib/problem/ranges.h"
 #include "calib/verdict/hearing_pairs.h"
+#include "models/physics/polygon.h"
 
 namespace octant::calib {
 
-void LogExtent::add(const Trajectory& t, const MeasurementLog& run, const Site& site) {
-  for (const Node& node : t.nodes)
-    if (node.placed) places_m.emplace_back(node.T_map_vehicle.translation_m.head<2>());
+LogExtent extent_of(const Trajectory& t, const MeasurementLog& run, const Site& site) {
+  LogExtent extent;
+  for (const Node& node : t.nodes) {
+    if (!node.placed) continue;
+    const Eigen::Vector3d& p = node.T_map_vehicle.translation_m;
+    extent.places_m.emplace_back(p.head<2>());
+    extent.lowest_m = std::min(extent.lowest_m, p.z());
+    extent.highest_m = std::max(extent.highest_m, p.z());
+  }
   for (const ArrivalObservation& a : t.arrivals) {
     const double degC = temperature_degC(run.arrivals[a.arrival], run, site);
-    coldest_degC = std::min(coldest_degC, degC);
-    hottest_degC = std::max(hottest_degC, degC);
+    extent.coldest_degC = std::min(extent.coldest_degC, degC);
+    extent.hottest_degC = std::max(extent.hottest_degC, degC);
   }
+  return extent;
+}
+
+void set_valid_space(LogExtent extent, Deployment& d) {
+  d.validity_area_m = convex_hull(std::move(extent.places_m));
+  if (d.motion == Motion::kSpatial && extent.lowest_m <= extent.highest_m)
+    d.validity_heights_m = {extent.lowest_m, extent.highest_m};
 }
 
 std::optional<double> heard_reach_m(const std::vector<Trajectory>& trajectories,

@@ -2,12 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cmath>
 #include <optional>
 #include <vector>
 
-#include <Eigen/Core>
-
+#include "calib/problem/log_totals.h"
 #include "models/deployment.h"
 #include "models/run.h"
 #include "models/site.h"
@@ -15,13 +13,11 @@
 
 namespace octant::calib {
 
-/// Positions of the vehicles and range of temperatures at the arrivals.
-struct LogExtent {
-  std::vector<Eigen::Vector2d> places_m;
-  double coldest_degC = INFINITY, hottest_degC = -INFINITY;
-  /// @param run  recording of the trajectory
-  void add(const Trajectory& trajectory, const MeasurementLog& run, const Site& site);
-};
+/// Extent of the solved poses of a trajectory and of its arrivals. @param run  its recording
+[[nodiscard]] LogExtent extent_of(const Trajectory& trajectory, const MeasurementLog& run, const Site& site);
+
+/// Replaces the area, and in space the heights, for which a deployment is valid.
+void set_valid_space(LogExtent extent, Deployment& deployment);
 
 /// Range within which beacons are received, by the recordings of a calibration. The vehicle must have been
 /// farther away so often that, with the reception of nearer beacons, at least twenty receptions would be

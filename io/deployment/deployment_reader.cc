@@ -69,15 +69,13 @@ void read_deployed_medium(const JsonValue& json, Deployment& d) {
 void read_deployed_timing(const JsonValue& json, Timing& t) {
   t.clock = json.at("clock").choice<Clock>(
       {{"synchronised", Clock::kSynchronised}, {"cycle_offset", Clock::kCycleOffset}});
-  if (const JsonValue ranging = json.find("ranging"); ranging.present()) {
+  if (const JsonValue ranging = json.find("ranging"); ranging.present())
     t.ranging = ranging.choice<Ranging>({{"one_way", Ranging::kOneWay}, {"two_way", Ranging::kTwoWay}});
-  }
   t.turnaround_s = number_or(json.find("turnaround_s"), 0.0);
   const JsonValue per = json.at("delay_per");
   const std::vector<JsonValue> words = per.is_array() ? per.items() : std::vector<JsonValue>{per};
-  for (const JsonValue& word : words) {
+  for (const JsonValue& word : words)
     if (const auto member = word.choice(kDelayPer); member != nullptr) t.delay_per.*member = true;
-  }
   t.delay_s = number_or(json.find("delay_s"), 0.0);
   t.delay_sigma_s = number_or(json.find("delay_sigma_s"), 0.0);
   t.drift = 1e-6 * number_or(json.find("drift_ppm"), 0.0);
@@ -213,11 +211,15 @@ void read_statistics(const JsonValue& json, CalibrationStatistics& s) {
   s.converged = json.at("converged").boolean();
 }
 
+std::optional<std::array<double, 2>> optional_pair(const JsonValue& json) {
+  if (!json.present()) return {};
+  const std::vector<double> v = json.numbers(2);
+  return {{v[0], v[1]}};
+}
+
 void read_validity(const JsonValue& json, Deployment& d) {
-  if (const JsonValue range = json.find("temperature_degC"); range.present()) {
-    const std::vector<double> v = range.numbers(2);
-    d.validity_temperature_degC = {v[0], v[1]};
-  }
+  d.validity_temperature_degC = optional_pair(json.find("temperature_degC"));
+  d.validity_heights_m = optional_pair(json.find("heights_m"));
   d.validity_period = {optional_number(json.find("months")),
                        optional_number(json.find("beacon_drift_m_per_month"))};  // until follows from these
   for (const JsonValue& corner : json.find("area").items()) {

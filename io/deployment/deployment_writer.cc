@@ -150,6 +150,7 @@ Json statistics_json(const CalibrationStatistics& s) {
 
 Json validity_json(const Deployment& d) {
   Json json = {{"temperature_degC", d.validity_temperature_degC}, {"area", d.validity_area_m}};
+  if (d.validity_heights_m) json["heights_m"] = *d.validity_heights_m;
   if (d.validity_reach_m)
     json["reach_m"] = *d.validity_reach_m;  // absent where there is none: older files keep their digest
   if (!d.validity_period.stated())

@@ -53,6 +53,18 @@ TEST(Validity, TemperatureOutsideTheWidenedRangeIsTold) {
   EXPECT_FALSE(outside_validity(constant, run_at(60.0), {}).any());
 }
 
+TEST(Validity, InSpaceHeightsCountAsTheAreaDoes) {
+  Deployment d = ten_by_five();
+  EXPECT_DOUBLE_EQ(distance_from_validity_m(d, {5, 2, 9}), 0.0);
+  d.validity_heights_m = {1.0, 3.0};
+  EXPECT_DOUBLE_EQ(distance_from_validity_m(d, {5, 2, 2}), 0.0);
+  EXPECT_DOUBLE_EQ(distance_from_validity_m(d, {13, 2, 7}), 5.0);
+  EXPECT_DOUBLE_EQ(distance_from_validity_m(d, {5, 2, -1}), 2.0);
+  EXPECT_EQ(outside_validity(d, run_at(20.0), std::vector{fix_at(5, 2)}).outside, 0U) << "within the margin";
+  d.validity_heights_m = {2.0, 3.0};
+  EXPECT_EQ(outside_validity(d, run_at(20.0), std::vector{fix_at(5, 2)}).outside, 1U);
+}
+
 TEST(Validity, AnUnstatedTemperatureIsToldWhereItMatters) {
   Deployment d = ten_by_five();
   EXPECT_TRUE(outside_validity(d, run_at({}), {}).reference_assumed);

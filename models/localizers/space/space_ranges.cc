@@ -14,6 +14,7 @@
 #include "models/localizers/common/rows_by_pose.h"
 #include "models/physics/plane.h"
 #include "models/support/decompositions.h"
+#include "models/validity.h"
 
 namespace octant {
 namespace {
@@ -58,8 +59,12 @@ class PlaceSearch {
   }
 
  private:
-  /// Prefers, of two mirror images, the one above the floor and below the beacons.
+  /// Prefers, of two mirror images, the one nearer to the calibrated poses. If that does not decide, prefers
+  /// the one above the floor and below the beacons.
   [[nodiscard]] bool is_likelier(const Eigen::Vector3d& a, const Eigen::Vector3d& b) const {
+    const double nearer_m =
+        distance_from_validity_m(setting_.deployment, b) - distance_from_validity_m(setting_.deployment, a);
+    if (std::abs(nearer_m) > kAreaMargin * setting_.extent_m) return nearer_m > 0;
     if ((a.z() >= 0) != (b.z() >= 0)) return a.z() >= 0;
     return a.z() >= 0 && a.z() < b.z() - 0.01 * setting_.extent_m;
   }

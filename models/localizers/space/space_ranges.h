@@ -42,6 +42,9 @@ struct BeaconPlane {
       Eigen::Vector3d::UnitX();  ///< in the plane, perpendicular to the best-fitting line
 
   [[nodiscard]] double height_m(const Eigen::Vector3d& p) const { return normal.dot(p - centre_m); }
+  [[nodiscard]] Eigen::Vector3d mirrored(const Eigen::Vector3d& p) const {
+    return p - 2 * height_m(p) * normal;
+  }
 };
 /// Plane of the usable beacons of a deployment, optionally without one. @param extent_m  extent of all of
 /// them

@@ -143,11 +143,11 @@ class SpaceTracker {
     if (!setting_.plane.coplanar) return;
     for (int round = 0; round < kMostSides; ++round) {
       const std::vector<SpaceStep> was = track.steps();
-      const double before = track.likelihood();
+      const double before = track.likelihood() + log_prior(was, setting_);
       const std::vector<SpaceStep> about = likeliest_sides(ranges_, setting_, k, was, density);
       if (!about.empty()) {
         track.linearise_at(about);
-        if (track.iterate(end) > before) continue;
+        if (track.iterate(end) + log_prior(track.steps(), setting_) > before) continue;
       }
       track.linearise_at(was);
       track.iterate(end);  // marks the arrivals again
@@ -289,7 +289,7 @@ class SpaceTracker {
     fix.velocity->variance << covariance_at(belief, 3).diagonal(),
         Eigen::Vector3d::Constant(kUnknownRotationVariance);
     P.diagonal().array() += open_attitude_variance_m2(setting_.p_centre_vehicle_m);
-    if (side_is_open)
+    if (side_is_open || is_mirror_image_possible(belief.x.head<3>(), setting_))
       P += 2 * square(setting_.plane.height_m(belief.x.head<3>())) * setting_.plane.normal *
            setting_.plane.normal.transpose();
     fix.covariance = Eigen::MatrixXd::Zero(6, 6);

@@ -34,9 +34,10 @@ namespace octant {
 /// one fix at every time with arrivals (an epoch, or a ping). Times without a track are located one by one if
 /// they have enough arrivals (LeastSquaresLocalizer).
 ///
-/// For coplanar beacons there is a mirror image. The position above the floor (z = 0) is used and, if both
-/// are, the one below the beacons. A track near their plane may have passed through it: then the distance of
-/// the images is part of the covariance.
+/// For coplanar beacons there is a mirror image. The position nearer to the calibrated poses is used. If that
+/// does not decide, the one above the floor (z = 0) is used and, if both are, the one below the beacons. A
+/// track near their plane may have passed through it, and an image within the calibrated space is possible:
+/// then the distance of the images is part of the covariance.
 ///
 /// Protection levels are horizontal. There is no level if fewer than four beacons are received, if the track
 /// is lost without one of them, or if it deviates by six sigmas from such a track.

@@ -34,6 +34,22 @@ struct Corridor {
   }
 };
 
+TEST(ValidSpace, HasHeightsInSpaceOnly) {
+  Corridor hall(60, 16);
+  for (std::size_t i = 0; i < hall.stops.nodes.size(); ++i)
+    hall.stops.nodes[i].T_map_vehicle.translation_m.z() = 0.01 * static_cast<double>(i);
+  hall.stops.nodes.front().placed = false;
+  hall.stops.arrivals.clear();
+  Deployment d;
+  set_valid_space(extent_of(hall.stops, {}, {}), d);
+  EXPECT_FALSE(d.validity_heights_m);
+  d.motion = Motion::kSpatial;
+  set_valid_space(extent_of(hall.stops, {}, {}), d);
+  ASSERT_TRUE(d.validity_heights_m);
+  EXPECT_DOUBLE_EQ(d.validity_heights_m->front(), 0.01);
+  EXPECT_DOUBLE_EQ(d.validity_heights_m->back(), 1.2);
+}
+
 TEST(Reach, IsWhereHearingEnds) {
   const Corridor hall(60, 16);
   const auto reach_m = heard_reach_m({hall.stops}, hall.beacons);

@@ -249,6 +249,7 @@ Deployment some_deployment() {
   d.tolerance = {test::maybe(test::some_positive()), test::maybe(test::some_positive())};
   if (*rc::gen::arbitrary<bool>()) d.validity_temperature_degC = {test::some_number(), test::some_number()};
   if (*rc::gen::arbitrary<bool>()) d.validity_reach_m = 1 + std::abs(test::some_number());
+  if (*rc::gen::arbitrary<bool>()) d.validity_heights_m = {test::some_number(), test::some_number()};
   if (*rc::gen::arbitrary<bool>()) d.validity_area_m = {{0, 1}, {test::some_number(), 2}};
   d.validity_period = {test::maybe(test::some_positive()), test::maybe(test::some_positive())};
   d.drift = {test::maybe(test::some_positive()), test::maybe(test::some_positive()),
@@ -261,7 +262,7 @@ Deployment some_deployment() {
 
 void assert_same_validity(const Deployment& a, const Deployment& b) {
   RC_ASSERT(a.validity_temperature_degC == b.validity_temperature_degC &&
-            a.validity_area_m == b.validity_area_m);
+            a.validity_area_m == b.validity_area_m && a.validity_heights_m == b.validity_heights_m);
   RC_ASSERT(a.validity_reach_m == b.validity_reach_m && a.validity_period == b.validity_period &&
             a.drift == b.drift);
 }

@@ -40,7 +40,7 @@ Deployment deployment_of(const std::vector<Eigen::Vector3d>& beacons, const Eige
   return d;
 }
 
-/// The joint covariance of beacons whose places are known to sigma_m.
+/// Joint covariance of beacons.
 void know_beacons_to(double sigma_m, Deployment& d) {
   for (std::size_t b = 0; b < d.beacons.size(); ++b)
     for (std::size_t i = 0; i < 3; ++i) d.covariance.parameters.push_back(parameters::beacon_position(b, i));
@@ -48,6 +48,7 @@ void know_beacons_to(double sigma_m, Deployment& d) {
   d.covariance.matrix = sigma_m * sigma_m * Eigen::MatrixXd::Identity(n, n);
 }
 
+const Eigen::Vector3d kNoLever = Eigen::Vector3d::Zero();
 const std::vector<Eigen::Vector3d> kHall = {{0, 0, 0.3}, {10, 0, 4.0}, {10, 8, 0.5},
                                             {0, 8, 4.2}, {5, -1, 3.0}, {5, 9, 1.0}};
 
@@ -117,9 +118,8 @@ TEST(SpaceTrack, FixesAreAsGoodAsTheySay) {
   double nees = 0.0, of_velocity = 0.0, worst_m = 0.0;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     Random random(seed, 1);
-    const Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.0, 300, 1.5, random);
-    const Errors e = errors_of(track_in_space(f.log, deployment_of(kHall, Eigen::Vector3d::Zero())), f,
-                               Eigen::Vector3d::Zero());
+    const Flight f = fly(kHall, kNoLever, 0.0, 300, 1.5, random);
+    const Errors e = errors_of(track_in_space(f.log, deployment_of(kHall, kNoLever)), f, kNoLever);
     EXPECT_GE(e.count, 290u);
     nees += e.nees / 12;
     of_velocity += e.velocity_nees / 12;
@@ -133,9 +133,9 @@ TEST(SpaceTrack, FixesAreAsGoodAsTheySay) {
 
 TEST(SpaceTrack, EchoesAreLeftOut) {
   Random random(3, 1);
-  const Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.1, 400, 1.5, random);
-  const auto fixes = track_in_space(f.log, deployment_of(kHall, Eigen::Vector3d::Zero()));
-  const Errors e = errors_of(fixes, f, Eigen::Vector3d::Zero());
+  const Flight f = fly(kHall, kNoLever, 0.1, 400, 1.5, random);
+  const auto fixes = track_in_space(f.log, deployment_of(kHall, kNoLever));
+  const Errors e = errors_of(fixes, f, kNoLever);
   EXPECT_GE(e.count, 390u);
   EXPECT_LT(e.rmse_m, 2.5 * kSigma_m);
   int rejected = 0;
@@ -154,11 +154,11 @@ TEST(SpaceTrack, TheCalibrationsPartCounts) {
     std::vector<Eigen::Vector3d> off = kHall;
     for (Eigen::Vector3d& p : off)
       p += 0.06 * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
-    Deployment d = deployment_of(kHall, Eigen::Vector3d::Zero());
-    const Flight f = fly(off, Eigen::Vector3d::Zero(), 0.0, 150, 1.5, random);
-    without += errors_of(track_in_space(f.log, d), f, Eigen::Vector3d::Zero()).nees / kFlights;
+    Deployment d = deployment_of(kHall, kNoLever);
+    const Flight f = fly(off, kNoLever, 0.0, 150, 1.5, random);
+    without += errors_of(track_in_space(f.log, d), f, kNoLever).nees / kFlights;
     know_beacons_to(0.06, d);
-    nees += errors_of(track_in_space(f.log, d), f, Eigen::Vector3d::Zero()).nees / kFlights;
+    nees += errors_of(track_in_space(f.log, d), f, kNoLever).nees / kFlights;
   }
   EXPECT_GT(without, 2.0);
   EXPECT_GT(nees, 0.6);  // twenty flights of some few independent geometries each
@@ -177,13 +177,18 @@ TEST(SpaceTrack, TheLeverArmCounts) {
   EXPECT_DOUBLE_EQ(fixes[10].covariance(4, 4), kUnknownRotationVariance);
 }
 
-TEST(SpaceTrack, OfTwoMirrorImagesTheOneBelowTheBeaconsIsTaken) {
-  std::vector<Eigen::Vector3d> ceiling = kHall;
-  for (Eigen::Vector3d& p : ceiling) p.z() = 3.0;
-  Random random(7, 1);
-  const Flight f = fly(ceiling, Eigen::Vector3d::Zero(), 0.0, 200, 1.2, random);
-  const auto fixes = track_in_space(f.log, deployment_of(ceiling, Eigen::Vector3d::Zero()));
-  EXPECT_LT(errors_of(fixes, f, Eigen::Vector3d::Zero()).rmse_m, 0.2);
+TEST(SpaceTrack, OfTwoMirrorImagesTheCalibratedOrElseTheLowerOneIsTaken) {
+  for (const double height_m : {1.2, 4.8}) {
+    std::vector<Eigen::Vector3d> level = kHall;
+    for (Eigen::Vector3d& p : level) p.z() = 3.0;
+    Random random(7, 1);
+    const Flight f = fly(level, kNoLever, 0.0, 200, height_m, random);
+    Deployment deployment = deployment_of(level, kNoLever);
+    if (height_m > 3.0) deployment.validity_heights_m = {4.0, 6.0};
+    EXPECT_LT(errors_of(track_in_space(f.log, deployment), f, kNoLever).rmse_m, 0.2);
+    deployment.validity_heights_m = {-1.0, 6.0};  // both images are possible, and the fixes say so
+    for (const Fix& fix : track_in_space(f.log, deployment)) EXPECT_GT(fix.covariance(2, 2), 1.0);
+  }
 }
 
 // A rig that is carried up and down through the plane of its beacons. Ranges determine the distance from the
@@ -196,9 +201,8 @@ TEST(SpaceTrack, ThroughThePlaneOfItsBeaconsATrackTakesTheLikelierSides) {
   constexpr std::uint64_t kFlights = 20;
   for (std::uint64_t seed = 1; seed <= kFlights; ++seed) {
     Random random(seed, 2);
-    const Flight f = fly(level, Eigen::Vector3d::Zero(), 0.0, 300, 1.7, random);
-    const Errors e = errors_of(track_in_space(f.log, deployment_of(level, Eigen::Vector3d::Zero())), f,
-                               Eigen::Vector3d::Zero());
+    const Flight f = fly(level, kNoLever, 0.0, 300, 1.7, random);
+    const Errors e = errors_of(track_in_space(f.log, deployment_of(level, kNoLever)), f, kNoLever);
     squares_m2 += e.rmse_m * e.rmse_m;
     nees += e.nees;
   }
@@ -216,8 +220,8 @@ TEST(SpaceTrack, BelowACeilingWhoseHeightsAreOffATrackStaysBelow) {
       stated[b].z() = 3.0 + 0.05 * random.normal();
       ceiling[b].z() = stated[b].z() + 0.1 * random.normal();
     }
-    const Flight f = fly(ceiling, Eigen::Vector3d::Zero(), 0.0, 200, 2.2, random);
-    Deployment deployment = deployment_of(stated, Eigen::Vector3d::Zero());
+    const Flight f = fly(ceiling, kNoLever, 0.0, 200, 2.2, random);
+    Deployment deployment = deployment_of(stated, kNoLever);
     know_beacons_to(0.1, deployment);
     for (const Fix& fix : track_in_space(f.log, deployment))
       EXPECT_LT(fix.T_map_vehicle.translation_m.z(), 3.2) << "seed " << seed;
@@ -226,11 +230,11 @@ TEST(SpaceTrack, BelowACeilingWhoseHeightsAreOffATrackStaysBelow) {
 
 TEST(SpaceTrack, APauseOfTheRadioBeginsAnew) {
   Random random(8, 1);
-  Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.0, 300, 1.5, random);
+  Flight f = fly(kHall, kNoLever, 0.0, 300, 1.5, random);
   for (Arrival& a : f.log.arrivals)
     if (a.time_s > 14.95) a.time_s += 60;
-  const auto fixes = track_in_space(f.log, deployment_of(kHall, Eigen::Vector3d::Zero()));
-  EXPECT_LT(errors_of(fixes, f, Eigen::Vector3d::Zero()).rmse_m, 2.5 * kSigma_m);
+  EXPECT_LT(errors_of(track_in_space(f.log, deployment_of(kHall, kNoLever)), f, kNoLever).rmse_m,
+            2.5 * kSigma_m);
 }
 
 MeasurementLog in_epochs(MeasurementLog log, std::size_t beacons) {
@@ -242,11 +246,11 @@ MeasurementLog in_epochs(MeasurementLog log, std::size_t beacons) {
 
 TEST(SpaceTrack, EpochsAreInstantsOfADrive) {
   Random random(16, 1);
-  const Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.1, 200, 1.5, random);
-  const auto fixes = locate_run(Method::kTracker, deployment_of(kHall, Eigen::Vector3d::Zero()),
-                                in_epochs(f.log, kHall.size()));
+  const Flight f = fly(kHall, kNoLever, 0.1, 200, 1.5, random);
+  const auto fixes =
+      locate_run(Method::kTracker, deployment_of(kHall, kNoLever), in_epochs(f.log, kHall.size()));
   ASSERT_TRUE(fixes.has_value());
-  const Errors e = errors_of(*fixes, f, Eigen::Vector3d::Zero());
+  const Errors e = errors_of(*fixes, f, kNoLever);
   EXPECT_EQ(e.count + 5, f.truth.size());
   EXPECT_LT(e.rmse_m, 1.5 * kSigma_m);
   EXPECT_EQ(fixes->back().epoch, 199);
@@ -254,32 +258,31 @@ TEST(SpaceTrack, EpochsAreInstantsOfADrive) {
 
 TEST(SpaceTrack, StopsThatNothingTiesTogetherAreLocatedOneByOne) {
   Random random(17, 1);
-  Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.0, 50, 1.5, random);
+  Flight f = fly(kHall, kNoLever, 0.0, 50, 1.5, random);
   f.log = in_epochs(f.log, kHall.size());
   for (Arrival& a : f.log.arrivals) a.time_s += 60.0 * static_cast<double>(a.epoch);
-  const Deployment d = deployment_of(kHall, Eigen::Vector3d::Zero());
+  const Deployment d = deployment_of(kHall, kNoLever);
   EXPECT_EQ(choose_method(d, f.log).method, Method::kLeastSquares);
   for (const Method method : {Method::kAuto, Method::kTracker}) {
     const auto fixes = locate_run(method, d, f.log);
     ASSERT_TRUE(fixes.has_value());
-    EXPECT_EQ(errors_of(*fixes, f, Eigen::Vector3d::Zero()).count + 5, f.truth.size());
+    EXPECT_EQ(errors_of(*fixes, f, kNoLever).count + 5, f.truth.size());
   }
 }
 
 // The first position may be wrong; a track that its arrivals do not support is rejected.
 TEST(SpaceTrack, NothingIsTrackedAmongArrivalsThatDisagree) {
   Random random(18, 1);
-  Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.0, 40, 1.5, random);
+  Flight f = fly(kHall, kNoLever, 0.0, 40, 1.5, random);
   for (Arrival& a : f.log.arrivals) a.tof_s += 10 * random.uniform() / kSpeed_mps;
-  for (const Fix& fix : track_in_space(f.log, deployment_of(kHall, Eigen::Vector3d::Zero())))
-    EXPECT_FALSE(fix.ok());
+  for (const Fix& fix : track_in_space(f.log, deployment_of(kHall, kNoLever))) EXPECT_FALSE(fix.ok());
 }
 
 TEST(SpaceTrack, BeaconsInALineGiveNoFix) {
   Random random(19, 1);
   const std::vector<Eigen::Vector3d> line = {{0, 0, 0.5}, {2, 0, 1.0}, {4, 0, 1.5}, {6, 0, 2.0}};
-  const Flight f = fly(line, Eigen::Vector3d::Zero(), 0.0, 100, 1.5, random);
-  Deployment d = deployment_of(line, Eigen::Vector3d::Zero());
+  const Flight f = fly(line, kNoLever, 0.0, 100, 1.5, random);
+  Deployment d = deployment_of(line, kNoLever);
   d.beacons[1].position_m.y() = 0.1;  // but as well as the calibration knows
   know_beacons_to(0.1, d);
   for (const Fix& fix : track_in_space(f.log, d)) EXPECT_EQ(fix.status, FixStatus::kPoorGeometry);
@@ -288,15 +291,14 @@ TEST(SpaceTrack, BeaconsInALineGiveNoFix) {
 TEST(SpaceTrack, TwoBeaconsGiveNoFix) {
   Random random(9, 1);
   const std::vector<Eigen::Vector3d> two = {kHall[0], kHall[1]};
-  const Flight f = fly(two, Eigen::Vector3d::Zero(), 0.0, 50, 1.5, random);
-  for (const Fix& fix : track_in_space(f.log, deployment_of(two, Eigen::Vector3d::Zero())))
-    EXPECT_FALSE(fix.ok());
+  const Flight f = fly(two, kNoLever, 0.0, 50, 1.5, random);
+  for (const Fix& fix : track_in_space(f.log, deployment_of(two, kNoLever))) EXPECT_FALSE(fix.ok());
 }
 
 TEST(SpaceTrack, AutoTakesItForADriveInSpace) {
   Random random(10, 1);
-  const Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.0, 20, 1.5, random);
-  const Deployment d = deployment_of(kHall, Eigen::Vector3d::Zero());
+  const Flight f = fly(kHall, kNoLever, 0.0, 20, 1.5, random);
+  const Deployment d = deployment_of(kHall, kNoLever);
   EXPECT_TRUE(is_drive_in_space(d, f.log));
   EXPECT_EQ(choose_method(d, f.log).method, Method::kTracker);
   MeasurementLog epochs = in_epochs(f.log, kHall.size());
@@ -314,8 +316,8 @@ double off_m(const Fix& fix, const Pose& truth) {
 // Compared with the track of a log without the beacon, started, filtered and smoothed separately.
 TEST(SpaceTrack, TheLevelIsTheFarthestOfTheTracksWithoutABeacon) {
   Random random(11, 1);
-  const Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.0, 200, 1.5, random);
-  const Deployment d = deployment_of(kHall, Eigen::Vector3d::Zero());
+  const Flight f = fly(kHall, kNoLever, 0.0, 200, 1.5, random);
+  const Deployment d = deployment_of(kHall, kNoLever);
   const auto fixes = track_in_space(f.log, d, kProtectedInSpace);
   std::vector<double> expected_m(fixes.size());
   for (std::size_t b = 0; b < kHall.size(); ++b) {
@@ -337,11 +339,11 @@ TEST(SpaceTrack, TheLevelIsTheFarthestOfTheTracksWithoutABeacon) {
 }
 
 TEST(SpaceTrack, ABeaconAtFaultStaysWithinTheLevel) {
-  const Deployment d = deployment_of(kHall, Eigen::Vector3d::Zero());
+  const Deployment d = deployment_of(kHall, kNoLever);
   int leveled = 0, beyond = 0, fixes = 0;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     Random random(seed, 3);
-    Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.0, 200, 1.5, random);
+    Flight f = fly(kHall, kNoLever, 0.0, 200, 1.5, random);
     // Creeps, or is late from one instant on.
     const double late_m = 0.02 * std::exp(random.uniform() * 5), per_s = seed % 2 ? 0.0 : late_m / 5;
     const BeaconId bad(static_cast<std::size_t>(random.uniform(0, 5.999)));
@@ -363,8 +365,8 @@ TEST(SpaceTrack, ABeaconAtFaultStaysWithinTheLevel) {
 
 TEST(SpaceTrack, LevelsChangeNoFixAndAreNotThereUnasked) {
   Random random(12, 1);
-  const Flight f = fly(kHall, Eigen::Vector3d::Zero(), 0.05, 100, 1.5, random);
-  const Deployment d = deployment_of(kHall, Eigen::Vector3d::Zero());
+  const Flight f = fly(kHall, kNoLever, 0.05, 100, 1.5, random);
+  const Deployment d = deployment_of(kHall, kNoLever);
   const auto plain = track_in_space(f.log, d), bounded = track_in_space(f.log, d, kProtectedInSpace);
   ASSERT_EQ(plain.size(), bounded.size());
   for (std::size_t k = 0; k < plain.size(); ++k) {
@@ -378,9 +380,8 @@ TEST(SpaceTrack, LevelsChangeNoFixAndAreNotThereUnasked) {
 TEST(SpaceTrack, ThreeBeaconsHaveNoLevel) {
   Random random(13, 1);
   const std::vector<Eigen::Vector3d> three(kHall.begin(), kHall.begin() + 3);
-  const Flight f = fly(three, Eigen::Vector3d::Zero(), 0.0, 50, 1.5, random);
-  for (const Fix& fix :
-       track_in_space(f.log, deployment_of(three, Eigen::Vector3d::Zero()), kProtectedInSpace))
+  const Flight f = fly(three, kNoLever, 0.0, 50, 1.5, random);
+  for (const Fix& fix : track_in_space(f.log, deployment_of(three, kNoLever), kProtectedInSpace))
     EXPECT_EQ(fix.protection_level_m, 0.0);
 }
 
@@ -389,8 +390,8 @@ TEST(SpaceTrack, ThreeBeaconsHaveNoLevel) {
 TEST(SpaceTrack, WhereOneBeaconTellsTheSideItTakesThatWithIt) {
   Random random(14, 1);
   std::vector<Eigen::Vector3d> wall = {{0, 0, 0.3}, {10, 0, 4.0}, {10, 0, 0.5}, {0, 0, 4.2}, {5, 9, 1.0}};
-  const Flight f = fly(wall, Eigen::Vector3d::Zero(), 0.0, 100, 1.5, random);
-  const auto fixes = track_in_space(f.log, deployment_of(wall, Eigen::Vector3d::Zero()), kProtectedInSpace);
+  const Flight f = fly(wall, kNoLever, 0.0, 100, 1.5, random);
+  const auto fixes = track_in_space(f.log, deployment_of(wall, kNoLever), kProtectedInSpace);
   for (std::size_t k = 0; k < fixes.size(); ++k)
     if (fixes[k].protection_level_m > 0.0)
       EXPECT_GT(fixes[k].protection_level_m, 1.9 * f.truth[k].translation_m.y()) << k;
