@@ -26,6 +26,7 @@ void add_verify(CLI::App& app, CommonOptions& common, Action& action);
 void add_survey(CLI::App& app, CommonOptions& common, Action& action);
 void add_convert(CLI::App& app, CommonOptions& common, Action& action);
 void add_export(CLI::App& app, CommonOptions& common, Action& action);
+void add_cockpit(CLI::App& app, CommonOptions& common, Action& action);
 void add_plan(CLI::App& app, CommonOptions& common, Action& action);
 void add_report(CLI::App& app, CommonOptions& common, Action& action);
 void add_history(CLI::App& app, CommonOptions& common, Action& action);

@@ -95,6 +95,7 @@ std::string_view schema(std::string_view format) {
   if (format == "survey") return survey_schema();
   if (format == "columns") return columns_schema();
   if (format == "topics") return topics_schema();
+  if (format == "cockpit") return cockpit_schema();
   if (format == "defaults") return defaults_schema();
   return {};
 }

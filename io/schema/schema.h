@@ -8,8 +8,9 @@
 namespace octant::io {
 
 /// JSON Schema (draft 2020-12) of one of the formats: "site", "run", "deployment", "scenario", "scene",
-/// "batch", "live", "fixes", "survey", "columns", "topics", "defaults"; empty for another name. Each key, and
-/// each column of a format's files ("x-files"), has a description, a unit ("x-unit") and an example.
+/// "batch", "live", "fixes", "survey", "columns", "topics", "cockpit", "defaults"; empty for another name.
+/// Each key, and each column of a format's files ("x-files"), has a description, a unit ("x-unit") and an
+/// example.
 [[nodiscard]] std::string_view schema(std::string_view format);
 
 /// The part of a format's schema for one of its x-files (tof.csv of run); the whole schema if it has no such

@@ -13,6 +13,7 @@
 namespace octant::io {
 
 [[nodiscard]] std::string_view batch_schema();
+[[nodiscard]] std::string_view cockpit_schema();
 [[nodiscard]] std::string_view columns_schema();
 [[nodiscard]] std::string_view defaults_schema();
 [[nodiscard]] std::string_view deployment_schema();

@@ -15,7 +15,7 @@ using ::testing::Not;
 
 const std::vector<std::string> kCommands = {"demo",   "simulate", "calibrate", "localize", "verify",
                                             "check",  "survey",   "schema",    "batch",    "convert",
-                                            "export", "plan",     "report",    "adjust"};
+                                            "export", "plan",     "report",    "adjust",   "cockpit"};
 
 TEST(Usage, EveryCommandHelpsWithAnExample) {
   for (const auto& command : kCommands) {

@@ -9,27 +9,19 @@
 #include "apps/octant/interrupt.h"
 #include "apps/octant/outputs.h"
 #include "apps/octant/progress.h"
+#include "apps/octant/steps/next_stops.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/survey_input.h"
 #include "apps/octant/text/layout.h"
 #include "calib/plan/stations.h"
 #include "io/text/atomic_file.h"
 #include "io/text/text.h"
-#include "survey/geometry/hearing.h"
-#include "survey/map/floor_grid.h"
 #include "survey/schedule/stop_places.h"
 
 namespace octant::app {
 namespace {
 
 constexpr double kDegrees = 180 / M_PI;
-
-/// Information available before the stops, and the range of reception.
-struct KnownBefore {
-  calib::Knowledge knowledge;
-  calib::HearingModel hearing;
-  std::optional<PoseAccuracy> measured_poses;  ///< set if the recordings have poses of a total station
-};
 
 /// Calibrates the existing recordings, from which the prior information and the reception follow.
 KnownBefore known_from_runs(const PlanArgs& args, const Site& site, Session& session) {
@@ -39,18 +31,13 @@ KnownBefore known_from_runs(const PlanArgs& args, const Site& site, Session& ses
   options.on_finding = [&session](const calib::Finding& f) { session.warn(f.text); };
   const calib::Calibration calibration =
       need(calib::calibrate(site, read_runs(args.runs, site, {}, session), options));
-  const calib::Problem& problem = calibration.problem;
   const calib::Solution& solution = calibration.solution;
   stop_if_interrupted(solution.status == calib::SolveStatus::kInterrupted);
   if (!calibration.deployment)
     session.warn("the recordings alone would not be exported: " + solution.message);
   for (const Contradiction& c : solution.contradictions)
     session.warn(fmt::format("The recordings contradict what was stated: {}; {}", in_words(c), c.remedy));
-  KnownBefore before{
-      need(calib::knowledge_of(problem, solution, session.threads())), calib::hearing_of(solution, site), {}};
-  for (const MeasurementLog& run : problem.runs)
-    if (!run.poses.empty()) before.measured_poses = run.pose_accuracy;
-  return before;
+  return need(known_from(calibration, session.threads()));
 }
 
 KnownBefore known_before(const PlanArgs& args, const SurveyInput& input, Session& session) {
@@ -74,18 +61,7 @@ void complete_hearing(const PlanArgs& args, const SurveyInput& input, survey::Su
   hearing.range_m = args.range_m.value_or(std::min(hearing.range_m, survey::reach_m(model.hearing)));
   if (args.hearing_deg) hearing.half_angle_rad = *args.hearing_deg / kDegrees;
   if (args.range_m) model.hearing.range_m = *args.range_m;
-  const NameTable names = input.names();
-  std::vector<std::size_t> of_model(names.beacons.size(), model.beacons.size());
-  for (std::size_t b = 0; b < names.beacons.size(); ++b)
-    for (std::size_t m = 0; m < model.beacons.size(); ++m)
-      if (model.beacons[m].name == names.beacons[b]) of_model[b] = m;
-  const std::size_t first_receiver = input.vehicles()[model.vehicle].first_receiver;
-  hearing.also = [&model, of_model, first_receiver](BeaconId beacon, ReceiverId receiver,
-                                                    const Pose& T_map_vehicle) {
-    const std::size_t m = of_model[beacon.index()];
-    return m >= model.beacons.size() ||
-           survey::hears(model, m, receiver.index() - first_receiver, T_map_vehicle);
-  };
+  restrict_by_scene(input, model, hearing);
 }
 
 Json known_json(const calib::BeaconKnowledge& k, const std::vector<std::string>& names) {

@@ -27,9 +27,9 @@ constexpr std::array<std::pair<const char*, const char*>, 22> kFileNames = {
      {"topics.yaml", "topics"}, {"scenario.yaml", "scenario"},
      {"sites.yaml", "batch"},   {"defaults.yaml", "defaults"}}};
 
-constexpr std::array<const char*, 12> kFormats = {"site",   "run",     "deployment", "fixes",
-                                                  "survey", "columns", "topics",     "scenario",
-                                                  "scene",  "batch",   "live",       "defaults"};
+constexpr std::array<const char*, 13> kFormats = {"site",    "run",     "deployment", "fixes", "survey",
+                                                  "columns", "topics",  "scenario",   "scene", "batch",
+                                                  "live",    "cockpit", "defaults"};
 
 /// "site, run, ... or defaults; or a file's name, such as cells.csv"
 std::string formats_in_words() {

@@ -6,7 +6,6 @@
 #include <cerrno>
 #include <cmath>
 #include <csignal>
-#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -16,11 +15,11 @@
 #include <unistd.h>
 
 #include "apps/octant/interrupt.h"
+#include "apps/octant/live/bad_lines.h"
 #include "apps/octant/live/byte_source.h"
 #include "apps/octant/options.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/steps/validity_words.h"
-#include "apps/octant/text/layout.h"
 #include "io/live/live_fixes.h"
 #include "io/live/live_rows.h"
 #include "io/run/run_folder.h"
@@ -34,25 +33,6 @@ constexpr int kQuietEpoch_ms = 2000;  ///< quiet time for an epoch, in which bea
 
 volatile std::sig_atomic_t hangups = 0;
 extern "C" void on_hangup(int) { hangups = hangups + 1; }
-
-/// Kinds of bad lines and their counts. The number of kinds is limited, so that bad input does not fill the
-/// memory.
-class BadLines {
- public:
-  void add(const std::string& what, std::size_t line, Session& session) {
-    ++total_;
-    const bool known = kinds_.contains(what);
-    ++kinds_[known || kinds_.size() < kMostKinds ? what : "others"];
-    if (!known && kinds_.size() < kMostKinds) session.note(fmt::format("line {}: {}", line, what));
-  }
-  [[nodiscard]] std::size_t total() const { return total_; }
-  [[nodiscard]] std::string text() const { return counts_in_words(kinds_); }
-
- private:
-  static constexpr std::size_t kMostKinds = 20;
-  std::size_t total_ = 0;
-  std::map<std::string, std::size_t> kinds_;
-};
 
 /// Objects that belong to one deployment.
 struct Engine {

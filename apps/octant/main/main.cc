@@ -123,6 +123,7 @@ int run(int argc, const char* const* argv, Session& session) {
   add_adjust(app, session.options, action);
   add_convert(app, session.options, action);
   add_export(app, session.options, action);
+  add_cockpit(app, session.options, action);
   add_plan(app, session.options, action);
   add_recalibrate(app, session.options, action);
   add_monitor(app, session.options, action);

@@ -13,8 +13,8 @@
 namespace octant::io {
 namespace schema_test {
 
-constexpr const char* kFormats[] = {"site",  "run",  "deployment", "fixes",   "scenario", "scene",
-                                    "batch", "live", "survey",     "columns", "topics",   "defaults"};
+constexpr const char* kFormats[] = {"site", "run",    "deployment", "fixes",  "scenario", "scene",   "batch",
+                                    "live", "survey", "columns",    "topics", "cockpit",  "defaults"};
 
 TEST(Schema, EachFormatHasOne) {
   for (const char* format : kFormats) {

@@ -1,0 +1,276 @@
+// SPDX-FileCopyrightText: 2026 Octant developers
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/octant/cockpit/recorder.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "io/text/atomic_file.h"
+#include "io/text/text.h"
+
+namespace octant::app {
+namespace {
+
+/// Consecutive late rows after which the sender's clock was set back; as in Follower.
+constexpr std::size_t kRowsOfSetClock = 20;
+constexpr std::size_t kMostListedStops = 5000;  ///< that are shown; the run has all of them
+constexpr const char* kEpochHeader =
+    "time_s,epoch,tof_s,beacon,vehicle,receiver,amplitude_v,temperature_degC\n";
+constexpr const char* kDriveHeader = "time_s,tof_s,beacon,vehicle,receiver,amplitude_v,temperature_degC\n";
+constexpr const char* kUnusedHeader =
+    "time_s,epoch,tof_s,beacon,vehicle,receiver,amplitude_v,temperature_degC,reason\n";
+
+tl::unexpected<Error> not_now(std::string found, std::string expected) {
+  return fail({.code = Errc::kUsage, .found = std::move(found), .expected = std::move(expected)});
+}
+
+/// Epoch of a row of our own tof.csv: its second field.
+std::optional<std::int64_t> epoch_of_row(std::string_view row) {
+  const std::size_t comma = row.find(',');
+  std::int64_t epoch = 0;
+  if (comma == std::string_view::npos ||
+      std::from_chars(row.data() + comma + 1, row.data() + row.size(), epoch).ec != std::errc())
+    return std::nullopt;
+  return epoch;
+}
+
+}  // namespace
+
+RunRecorder::RunRecorder(std::string folder, NameTable names, Motion motion, double lateness_s)
+    : folder_(std::move(folder)), names_(std::move(names)), motion_(motion), lateness_s_(lateness_s) {
+  for (const auto& name : names_.beacons) beacon_fields_.push_back(io::csv_field(name));
+  for (const auto& name : names_.vehicles) vehicle_fields_.push_back(io::csv_field(name));
+  for (const auto& receiver : names_.receivers) receiver_fields_.push_back(io::csv_field(receiver.name));
+}
+
+Result<void> RunRecorder::begin(const std::string& run_yaml) {
+  std::error_code error;
+  std::filesystem::create_directories(folder_, error);
+  if (error) return fail({.code = Errc::kOutput, .file = folder_, .found = error.message()});
+  const bool several = names_.vehicles.size() > 1;
+  odometry_ = std::make_unique<AppendFile>(
+      folder_ + "/odometry.csv",
+      std::string(motion_ == Motion::kPlanar ? "time_s,dx_m,dy_m,dheading_rad"
+                                             : "time_s,dx_m,dy_m,dz_m,qx,qy,qz,qw") +
+          (several ? ",vehicle\n" : "\n"));
+  unused_ = std::make_unique<AppendFile>(folder_ + "/unused.csv", kUnusedHeader);
+  return io::write_file(folder_ + "/run.yaml", run_yaml);
+}
+
+template <class Row>
+bool RunRecorder::insert(Waiting<Row>& waiting, Row& row) {
+  row.time_s += offset_s_;
+  if (row.time_s < waiting.written_s) {
+    if (++waiting.behind < kRowsOfSetClock) return false;
+    // Readers refuse times that decrease, so the old clock is continued.
+    const double step_s = newest_s_ + lateness_s_ - row.time_s;
+    offset_s_ += step_s;
+    row.time_s += step_s;
+    ++counts_.clock_steps;
+  }
+  waiting.behind = 0;
+  newest_s_ = std::max(newest_s_, row.time_s);
+  auto at = waiting.rows.end();
+  while (at != waiting.rows.begin() && std::prev(at)->time_s > row.time_s) --at;
+  waiting.rows.insert(at, row);
+  return true;
+}
+
+void RunRecorder::choose_mode(const Arrival& arrival) {
+  const bool has_epoch = arrival.epoch != kNoEpoch;
+  if (mode_ == StopMode::kUndecided) mode_ = has_epoch ? StopMode::kRows : StopMode::kDrive;
+  if (mode_ == StopMode::kDrive && has_epoch && counts_.odometry == 0) {
+    leave_drive();
+    mode_ = StopMode::kRows;
+  }
+  if (tof_) return;
+  tof_ = std::make_unique<AppendFile>(folder_ + "/tof.csv",
+                                      mode_ == StopMode::kDrive ? kDriveHeader : kEpochHeader);
+}
+
+/// A run has epochs in all of its rows or in none: rows before the first stop remain in a file of their own.
+void RunRecorder::leave_drive() {
+  if (!tof_) return;
+  (void)flush(true);
+  tof_.reset();
+  std::error_code ignored;
+  std::filesystem::rename(folder_ + "/tof.csv", folder_ + "/moving.csv", ignored);
+  counts_.between_stops += std::exchange(counts_.arrivals, 0);
+  arrivals_ = {};
+}
+
+void RunRecorder::add(Arrival arrival) {
+  choose_mode(arrival);
+  if (mode_ == StopMode::kMarked) arrival.epoch = open_stop_.value_or(kNoEpoch);
+  if (insert(arrivals_, arrival)) return;
+  ++counts_.late;
+  write_unused(arrival, "late");
+}
+
+void RunRecorder::add(OdometryStep step) {
+  if (!insert(steps_, step)) ++counts_.late;
+}
+
+void RunRecorder::add(OdometryPose pose) {
+  if (!insert(poses_, pose)) ++counts_.late;
+}
+
+std::string RunRecorder::row_of(const Arrival& a, bool with_epoch) const {
+  const std::string epoch = a.epoch == kNoEpoch ? "" : fmt::format("{}", a.epoch);
+  return fmt::format("{},{}{}{},{},{},{},{},{}", a.time_s, epoch, with_epoch ? "," : "", a.tof_s,
+                     beacon_fields_[a.beacon.index()], vehicle_fields_[a.vehicle.index()],
+                     receiver_fields_[a.receiver.index()], io::number_field(a.amplitude_v),
+                     io::number_field(a.temperature_degC));
+}
+
+void RunRecorder::write_unused(const Arrival& arrival, const char* reason) {
+  unused_->add(row_of(arrival, true) + fmt::format(",{}\n", reason));
+}
+
+void RunRecorder::write(const Arrival& arrival) {
+  arrivals_.written_s = arrival.time_s;
+  if (mode_ == StopMode::kDrive) {
+    Arrival moving = arrival;
+    moving.epoch = kNoEpoch;
+    tof_->add(row_of(moving, false) + "\n");
+    ++counts_.arrivals;
+    return;
+  }
+  const auto vehicle = static_cast<std::uint32_t>(arrival.vehicle.index());
+  if (arrival.epoch == kNoEpoch || finished_epochs_.contains({vehicle, arrival.epoch})) {
+    ++counts_.between_stops;
+    return write_unused(arrival, arrival.epoch == kNoEpoch ? "between_stops" : "stop_is_over");
+  }
+  const auto current = current_epoch_.try_emplace(vehicle, arrival.epoch).first;
+  if (current->second != arrival.epoch) {
+    finished_epochs_.insert({vehicle, current->second});
+    current->second = arrival.epoch;
+  }
+  tof_->add(row_of(arrival, true) + "\n");
+  ++counts_.arrivals;
+  RecordedStop& stop = stops_[arrival.epoch];
+  if (stop.arrivals++ == 0) stop.first_s = arrival.time_s;
+  stop.last_s = arrival.time_s;
+  stop.beacons.insert(static_cast<std::uint32_t>(arrival.beacon.index()));
+  if (stops_.size() > kMostListedStops) stops_.erase(stops_.begin());
+}
+
+void RunRecorder::write(const OdometryPose& pose) {
+  poses_.written_s = pose.time_s;
+  const auto vehicle = static_cast<std::uint32_t>(pose.vehicle.index());
+  OdometryStep step{.time_s = pose.time_s, .vehicle = pose.vehicle};
+  if (const auto last = last_pose_.find(vehicle); last != last_pose_.end())
+    step.set_pose(last->second.inverse() * pose.T_odometry_vehicle);
+  last_pose_[vehicle] = pose.T_odometry_vehicle;
+  write_step(step);
+}
+
+void RunRecorder::write_step(OdometryStep step) {
+  steps_.written_s = step.time_s;
+  if (anchored_.insert(static_cast<std::uint32_t>(step.vehicle.index())).second) step.set_pose(Pose());
+  std::string row = fmt::format("{},{},{},", step.time_s, step.dx_m, step.dy_m);
+  if (motion_ == Motion::kPlanar) {
+    row += fmt::format("{}", step.dheading_rad);
+  } else {
+    const Eigen::Quaterniond q = step.pose().rotation;
+    row += fmt::format("{},{},{},{},{}", step.dz_m, q.x(), q.y(), q.z(), q.w());
+  }
+  if (names_.vehicles.size() > 1) row += "," + vehicle_fields_[step.vehicle.index()];
+  odometry_->add(row + "\n");
+  ++counts_.odometry;
+}
+
+Result<void> RunRecorder::flush(bool all) {
+  const double until_s = all ? std::numeric_limits<double>::infinity() : newest_s_ - lateness_s_;
+  const auto write_until = [until_s](auto& waiting, auto&& write_row) {
+    for (; !waiting.rows.empty() && waiting.rows.front().time_s <= until_s; waiting.rows.pop_front())
+      write_row(waiting.rows.front());
+  };
+  write_until(steps_, [this](const OdometryStep& step) { write_step(step); });
+  write_until(poses_, [this](const OdometryPose& pose) { write(pose); });
+  write_until(arrivals_, [this](const Arrival& arrival) { write(arrival); });
+  for (AppendFile* file : {odometry_.get(), tof_.get(), unused_.get()})
+    if (file != nullptr)
+      if (auto done = file->flush(); !done) return done;
+  return {};
+}
+
+std::vector<int> RunRecorder::descriptors() const {
+  std::vector<int> copies;
+  for (const AppendFile* file : {odometry_.get(), tof_.get(), unused_.get()})
+    if (const int copy = file != nullptr ? file->duplicate() : -1; copy >= 0) copies.push_back(copy);
+  return copies;
+}
+
+Result<std::int64_t> RunRecorder::begin_stop() {
+  if (mode_ == StopMode::kRows)
+    return not_now("the rows carry the epoch of their stop", "no stops that are marked by hand");
+  if (counts_.odometry > 0)
+    return not_now("the stream has odometry, so the run is a drive", "a drive has no stops");
+  if (open_stop_) return not_now(fmt::format("stop {} is open", *open_stop_), "end it first");
+  if (mode_ == StopMode::kDrive) leave_drive();
+  mode_ = StopMode::kMarked;
+  open_stop_ = next_stop_++;
+  return *open_stop_;
+}
+
+Result<void> RunRecorder::end_stop() {
+  if (!open_stop_) return not_now("no stop is open", "begin a stop first");
+  open_stop_.reset();
+  return {};
+}
+
+Result<void> RunRecorder::delete_stop(std::int64_t epoch) {
+  if (auto flushed = flush(true); !flushed) return flushed;
+  if (!stops_.contains(epoch))
+    return not_now(fmt::format("there is no stop {}", epoch), "a stop of the list");
+  auto text = io::read_file(tof_->path());
+  if (!text) return fail(text.error());
+  std::string kept;
+  std::size_t deleted = 0;
+  for (std::string_view rest = *text; !rest.empty();) {
+    const std::string_view row = rest.substr(0, std::min(rest.find('\n'), rest.size() - 1) + 1);
+    rest.remove_prefix(row.size());
+    if (epoch_of_row(row) == epoch) {
+      unused_->add(fmt::format("{},deleted\n", row.substr(0, row.size() - 1)));
+      ++deleted;
+    } else {
+      kept += row;
+    }
+  }
+  // First the rows in unused.csv, then the new table: whatever happens, no row is lost.
+  if (auto flushed = unused_->flush(); !flushed) return flushed;
+  if (auto written = io::write_file(tof_->path(), kept); !written) return written;
+  tof_->reopen();
+  if (open_stop_ == epoch) open_stop_.reset();
+  for (const auto& [vehicle, current] : current_epoch_) finished_epochs_.insert({vehicle, epoch});
+  counts_.arrivals -= deleted;
+  counts_.deleted += deleted;
+  stops_.erase(epoch);
+  if (points_.erase(epoch) == 0) return {};
+  return set_points();
+}
+
+Result<void> RunRecorder::set_point(std::int64_t epoch, const ControlPoint& point) {
+  if (!stops_.contains(epoch) && open_stop_ != epoch)
+    return not_now(fmt::format("there is no stop {}", epoch), "a stop of the list");
+  points_[epoch] = point;
+  return set_points();
+}
+
+Result<void> RunRecorder::set_points() {
+  std::string text = "epoch,x_m,y_m,sigma_m\n";
+  for (const auto& [epoch, point] : points_)
+    text += fmt::format("{},{},{},{}\n", epoch, point.x_m, point.y_m, point.sigma_m);
+  const std::string path = folder_ + "/points.csv";
+  if (!points_.empty()) return io::write_file(path, text);
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
+  return {};
+}
+
+}  // namespace octant::app
