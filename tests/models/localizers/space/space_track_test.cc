@@ -249,8 +249,7 @@ TEST(SpaceTrack, EpochsAreInstantsOfADrive) {
   const Flight f = fly(kHall, kNoLever, 0.1, 200, 1.5, random);
   const auto fixes =
       locate_run(Method::kTracker, deployment_of(kHall, kNoLever), in_epochs(f.log, kHall.size()));
-  ASSERT_TRUE(fixes.has_value());
-  const Errors e = errors_of(*fixes, f, kNoLever);
+  const Errors e = errors_of(fixes.value(), f, kNoLever);
   EXPECT_EQ(e.count + 5, f.truth.size());
   EXPECT_LT(e.rmse_m, 1.5 * kSigma_m);
   EXPECT_EQ(fixes->back().epoch, 199);
