@@ -8,6 +8,7 @@
 #include <utility>
 
 #include <ceres/ceres.h>
+#include <fmt/format.h>
 
 #include "calib/adjust/evaluation_point.h"
 #include "calib/adjust/priors.h"
@@ -229,8 +230,12 @@ AdjustResult adjust_all(const Problem& problem, const ParameterLayout& layout, S
   result.interrupted = iteration_watch.interrupted;
   result.iterations = static_cast<int>(summary.iterations.size()) - 1;
   result.cost = summary.final_cost;
-  result.message =
-      point.at_rest ? "converged: the predicted decrease is below the tolerance" : summary.message;
+  if (point.at_rest)
+    result.message = "converged: the predicted decrease is below the tolerance";
+  else if (!result.converged)
+    result.message = summary.termination_type == ceres::NO_CONVERGENCE
+                         ? fmt::format("the estimate still changed after {} iterations", result.iterations)
+                         : "the normal equations could not be solved";
   if (point.dense && point.reduced_at.size() == layout.size() && point.rays_are_the_same())
     result.data = SystemParts({all_columns(layout.size()), std::move(point.sum)});
   return result;

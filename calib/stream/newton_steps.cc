@@ -83,8 +83,9 @@ class NewtonSteps {
     estimate_.last.converged = converged;
     estimate_.last.cost = cost;
     estimate_.last.iterations = monitor_.iterations;
-    estimate_.last.message = converged ? "no step changes the cost any more"
-                                       : fmt::format("no rest after {} readings of the log", kMostPasses);
+    estimate_.last.message =
+        converged ? "no step changes the cost any more"
+                  : fmt::format("the estimate still changed after {} passes over the log", kMostPasses);
     estimate_.last.data = sum.system;
     return sum;
   }
