@@ -107,7 +107,8 @@ double leverage_of(const ObservationRow& row, const ChainWindow& window, std::si
 
 PoseSquares squares_of_poses(const Trajectory& t, const Segment& segment, const SharedState& state) {
   PoseSquares of_all;
-  std::size_t pose = segment.last_pose, step = segment.last_odometry;  // windows come from the end
+  // Windows come from the end.
+  std::size_t pose = segment.last_pose, step = segment.last_odometry, bearing = segment.last_bearing;
   ChainVariant chain;
   chain.visit = [&](const ChainWindow& window) {
     ObservationRow rows[6];
@@ -120,8 +121,12 @@ PoseSquares squares_of_poses(const Trajectory& t, const Segment& segment, const 
     for (; pose > segment.first_pose && t.poses[pose - 1].node >= window.first_node; --pose)
       add(t.poses[pose - 1].node, pose_rows(t, pose - 1, rows), of_all.squares, of_all.redundancy);
     for (; step > segment.first_odometry && t.odometry[step - 1].node >= window.first_node; --step)
-      add(t.odometry[step - 1].node, odometry_rows(t, step - 1, rows), of_all.odometry_squares,
-          of_all.odometry_redundancy);
+      add(t.odometry[step - 1].node, odometry_rows(t, step - 1, rows), of_all.other_squares,
+          of_all.other_redundancy);
+    for (; bearing > segment.first_bearing && t.bearings[bearing - 1].node >= window.first_node; --bearing)
+      if (t.bearings[bearing - 1].rejection == Rejection::kUsed)
+        add(t.bearings[bearing - 1].node, bearing_rows(t, bearing - 1, state, rows), of_all.other_squares,
+            of_all.other_redundancy);
   };
   const bool is_determined = solve_by_windows(t, segment, state, {&chain, 1}).front();
   return is_determined ? of_all : PoseSquares{};
@@ -132,7 +137,8 @@ PoseSquares squares_of_poses(const Trajectory& t, const Segment& segment, const 
 PoseSquares squares_of_poses(const Trajectory& t, const SharedState& state) {
   PoseSquares of_all;
   for (const Segment& segment : t.segments)
-    if (t.nodes[segment.first_node].placed && segment.last_pose > segment.first_pose)
+    if (t.nodes[segment.first_node].placed &&
+        (segment.last_pose > segment.first_pose || segment.last_bearing > segment.first_bearing))
       of_all.add(squares_of_poses(t, segment, state));
   return of_all;
 }
@@ -211,9 +217,9 @@ CalibrationStatistics statistics_of(const Problem& problem, const ParameterLayou
 NoiseFactors NoiseSearch::step(const DataSquares& data) {
   constexpr double kFewest = 30.0, kSigmas = 4.0, kLeast = 0.1;
   const PoseSquares& poses = data.poses;
-  // Odometry that is better or worse than stated says nothing about the arrivals.
-  const double data_squares = 2 * data.cost - poses.odometry_squares,
-               data_redundancy = data.redundancy - poses.odometry_redundancy;
+  // Odometry and bearings that are better or worse than stated say nothing about the arrivals.
+  const double data_squares = 2 * data.cost - poses.other_squares,
+               data_redundancy = data.redundancy - poses.other_redundancy;
   const double redundancy = data_redundancy - poses.redundancy, squares = data_squares - poses.squares;
   const bool are_better = poses.redundancy >= kFewest && redundancy >= kFewest && squares > 0 &&
                           poses.squares / poses.redundancy < 1 - kSigmas * std::sqrt(2 / poses.redundancy);

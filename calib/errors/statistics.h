@@ -10,16 +10,16 @@
 
 namespace octant::calib {
 
-/// Measured poses, and the odometry between them: squares, and share of the redundancy with fixed shared
-/// parameters.
+/// Measured poses, and the odometry and bearings of the same states: squares, and share of the redundancy
+/// with fixed shared parameters.
 struct PoseSquares {
   double squares = 0.0, redundancy = 0.0;  ///< of the poses
-  double odometry_squares = 0.0, odometry_redundancy = 0.0;
+  double other_squares = 0.0, other_redundancy = 0.0;
   void add(const PoseSquares& other) {
     squares += other.squares;
     redundancy += other.redundancy;
-    odometry_squares += other.odometry_squares;
-    odometry_redundancy += other.odometry_redundancy;
+    other_squares += other.other_squares;
+    other_redundancy += other.other_redundancy;
   }
 };
 /// Needs a pass over the states, so it is computed only where the noise is estimated.
@@ -70,7 +70,7 @@ struct NoiseFactors {
 /// noise factor f, and one step suffices. Odometry, whose noise is fixed, and measured poses keep a part that
 /// does not depend on f: steps then follow a + b / f^2 through the last two adjustments.
 ///
-/// Odometry between measured poses does not count, because its noise is fixed.
+/// Odometry and bearings beside measured poses do not count, because their noise is fixed.
 ///
 /// Poses that are more accurate than expected would reduce the noise of the arrivals without bound. They get
 /// their own variance component: each of the two is multiplied by the ratio of its squares to its redundancy

@@ -31,7 +31,7 @@ template <class Buffer>
 void exchange(Buffer& buffer, BufferRecord<PassCounts> auto&& counts) {
   buffer.exchange(counts.cost_before, counts.changed, counts.of_log.used, counts.of_log.rejected,
                   counts.of_log.observations, counts.of_log.states, counts.poses.squares,
-                  counts.poses.redundancy, counts.poses.odometry_squares, counts.poses.odometry_redundancy);
+                  counts.poses.redundancy, counts.poses.other_squares, counts.poses.other_redundancy);
 }
 
 /// Result of one pass over a log at an estimate.

@@ -97,8 +97,8 @@ TEST(NoiseSearch, PosesBetterThanStatedLeaveTheArrivalsTheirs) {
 TEST(NoiseSearch, OdometryBetweenPosesSaysNothingAboutTheArrivals) {
   for (const double odometry : {0.0, 4000.0}) {
     DataSquares data = moments(8, 1.0, 1.0, 1.0, 1.0);
-    data.poses.odometry_squares = odometry;
-    data.poses.odometry_redundancy = 1000.0;
+    data.poses.other_squares = odometry;
+    data.poses.other_redundancy = 1000.0;
     data.cost += 0.5 * odometry;
     data.redundancy += 1000.0;
     EXPECT_EQ(NoiseSearch().step(data).arrivals, 1.0) << odometry;
@@ -122,7 +122,9 @@ TEST(SquaresOfPoses, HaveTheirShareOfTheRedundancy) {
   Scenario scenario = test::drive_scenario(20.0);
   scenario.log_poses = true;
   scenario.pose_accuracy = {.position_sigma_m = 0.005, .heading_sigma_rad = 0.01};
+  scenario.bearings.emplace();
   const World world = test::must(simulate(scenario, 4));
+  ASSERT_FALSE(world.run.bearings.empty());
   for (const bool has_odometry : {true, false}) {
     MeasurementLog run = world.run;
     if (!has_odometry) run.odometry.clear();
@@ -159,15 +161,18 @@ TEST(SquaresOfPoses, HaveTheirShareOfTheRedundancy) {
       for (std::size_t i = segment.first_pose; i < segment.last_pose; ++i)
         add(pose_rows(t, i, rows), dense.squares, dense.redundancy);
       for (std::size_t i = segment.first_odometry; i < segment.last_odometry; ++i)
-        add(odometry_rows(t, i, rows), dense.odometry_squares, dense.odometry_redundancy);
+        add(odometry_rows(t, i, rows), dense.other_squares, dense.other_redundancy);
+      for (std::size_t i = segment.first_bearing; i < segment.last_bearing; ++i)
+        add(bearing_rows(t, i, state, rows), dense.other_squares, dense.other_redundancy);
     }
     const PoseSquares counted = squares_of_poses(t, state);
     EXPECT_NEAR(counted.squares, dense.squares, 1e-9 * dense.squares);
     EXPECT_NEAR(counted.redundancy, dense.redundancy, 1e-8 * dense.redundancy);
-    EXPECT_NEAR(counted.odometry_squares, dense.odometry_squares, 1e-9 * dense.odometry_squares);
-    EXPECT_NEAR(counted.odometry_redundancy, dense.odometry_redundancy, 1e-8 * dense.odometry_redundancy);
+    EXPECT_NEAR(counted.other_squares, dense.other_squares, 1e-9 * dense.other_squares);
+    EXPECT_NEAR(counted.other_redundancy, dense.other_redundancy, 1e-8 * dense.other_redundancy);
     EXPECT_GT(dense.redundancy, 10.0);
-    EXPECT_EQ(dense.odometry_redundancy > 10.0, has_odometry);
+    EXPECT_EQ(dense.other_redundancy > 10.0, has_odometry);  // bearings of a drive lie between odometry rows
+    EXPECT_EQ(t.bearings.empty(), !has_odometry);
   }
 }
 
