@@ -75,7 +75,7 @@ class Page(unittest.TestCase):
         cls.browser.close()
 
     def start(self, site):
-        process = subprocess.Popen([OCTANT, "cockpit", site, "--listen", "127.0.0.1:0", "-o", os.path.join(self.folder, "run")],
+        process = subprocess.Popen([OCTANT, "cockpit", *([site] if site else []), "--listen", "127.0.0.1:0", "-o", os.path.join(self.folder, "run")],
                                    stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         self.addCleanup(process.communicate)
         self.addCleanup(process.kill)
@@ -89,7 +89,7 @@ class Page(unittest.TestCase):
         browser.cdp("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=width < 600)
         browser.errors()
         browser.driver.get(url)
-        self.assertTrue(browser.wait("document.getElementById('connection').textContent === 'Live'"))
+        self.assertTrue(browser.wait("['Live', 'The source has ended'].includes(document.getElementById('connection').textContent)"))
 
     def text(self, name):
         return self.browser.run("return document.getElementById(arguments[0]).textContent", name)
@@ -126,6 +126,31 @@ class Page(unittest.TestCase):
             deployment = json.load(file)
         worst = max(math.dist(b["position_m"][:2], hall.beacons[b["id"]][:2]) for b in deployment["beacons"])
         self.assertLess(worst, 0.03)
+
+    def test_a_site_is_described_on_the_page(self):
+        hall = Hall(self.folder, 6)
+        process, url = self.start(None)
+        self.open(url)
+        for place in ((3, 2, 0), (9, 2, 1), (9, 6, 2), (3, 6, 3), (6, 4, 1), (6, 1, 2), (1, 4, 0), (11, 4, 2)):
+            process.stdin.write("".join(line + "\n" for line in hall.lines_at(*place)))
+        process.stdin.flush()
+        self.assertTrue(self.browser.wait("document.querySelectorAll('#beacons button').length === 6"))
+        for name, p in hall.beacons.items():
+            self.browser.run("document.querySelector(`[data-key='place ${arguments[0]}']`).click()", name)
+            self.browser.run("""const c = document.getElementById('plan'), box = c.getBoundingClientRect(), [x, y] = arguments;
+                // the empty plan shows 20 x 15 m
+                const scale = Math.min((c.clientWidth - 90) / 20, (c.clientHeight - 100) / 15);
+                const at = {clientX: box.left + c.clientWidth / 2 + (x - 10) * scale, clientY: box.top + c.clientHeight / 2 - (y - 7.5) * scale, pointerId: 1, bubbles: true};
+                c.setPointerCapture = () => {};
+                for (const kind of ['pointerdown', 'pointerup']) c.dispatchEvent(new PointerEvent(kind, at));""", p[0], p[1])
+        self.browser.run("for (const [id, value] of [['setup-radius', '0.065'], ['setup-temperature', '20,0']]) document.getElementById(id).value = value;")
+        self.browser.run("document.querySelector('#setup-form button').click()")
+        self.assertTrue(self.browser.wait("document.body.className === 'commissioning' && document.querySelectorAll('#beacons td').length > 0 && !document.getElementById('light-words').textContent.startsWith('No arrival')"), self.text("failure"))
+        with open(os.path.join(self.folder, "run", "site.yaml"), encoding="utf-8") as file:
+            places = {name: (float(x), float(y)) for name, x, y in re.findall(r"id: (B\d), position_m: \[([^,]+), ([^,]+),", file.read())}
+        self.assertEqual(sorted(places), sorted(hall.beacons))
+        self.assertLess(max(math.dist(place, hall.beacons[name][:2]) for name, place in places.items()), 0.1)
+        self.assertEqual(self.browser.errors(), [])
 
     def check_layout(self, url):
         for width, height in SIZES:

@@ -180,11 +180,12 @@ CalibrationView calibration_view(const std::string& site, const std::string& run
       if (calibration->deployment) view.deployment = std::make_shared<Deployment>(*calibration->deployment);
     }
     view.next_stop = next_stop_json(input, calibration ? &*calibration : nullptr, quiet);
-    if (view.deployment) {
-      const Scene scene = with_floor(input.scene, *input.site, *view.deployment);
-      if (auto model = survey::make_survey_model(*view.deployment, scene))
-        view.floor = floor_json(std::move(*model), scene, view.deployment.get(), 1);
-    }
+    view.scene = view.deployment ? with_floor(input.scene, *input.site, *view.deployment) : input.scene;
+    auto model = view.deployment ? survey::make_survey_model(*view.deployment, view.scene)
+                                 : survey::make_survey_model(*input.site, view.scene);
+    if (model) view.model = std::move(*model);
+    if (view.model && view.deployment)
+      view.floor = floor_json(*view.model, view.scene, view.deployment.get(), 1);
   } catch (const CommandFailed& failed) {
     view.message = failed.failure.message;
   } catch (const std::exception& fault) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "apps/octant/session.h"
@@ -17,6 +18,8 @@ struct CalibrationView {
   Json calibration = nullptr;                    ///< null before the first one
   Json next_stop = nullptr;                      ///< null if no stop is planned
   std::string floor;                             ///< answer of /api/floor; empty without a map
+  std::optional<survey::SurveyModel> model;      ///< geometry for maps with other places of beacons
+  Scene scene;                                   ///< of the model
   std::shared_ptr<const Deployment> deployment;  ///< for the vehicle's position; null without one
   std::string message;                           ///< reason for which there is no calibration yet
 };

@@ -31,6 +31,8 @@ struct CockpitArgs {
 CommissioningInput read_cockpit_input(const CockpitArgs& args, Session& session) {
   CommissioningInput input;
   input.path = args.input;
+  input.lateness_s = args.lateness_s;
+  if (args.input.empty()) return input;
   const std::string text = need(io::read_document(args.input));
   const std::size_t first = text.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
   if (first != std::string::npos && text[first] == '{' && text.find("\"octant_site\"") == std::string::npos) {
@@ -39,7 +41,6 @@ CommissioningInput read_cockpit_input(const CockpitArgs& args, Session& session)
     input.site = need(io::read_site(args.input));
     session.warn(input.site->warnings);
   }
-  input.lateness_s = args.lateness_s;
   return input;
 }
 
@@ -118,9 +119,12 @@ int run_cockpit(const CockpitArgs& args, Session& session) {
   if (!listening.is_loopback() && token.empty())
     fail_usage(fmt::format("--listen {} without --token", args.listen),
                "other machines can reach this address: add --token new, or a secret of your own");
+  if (args.input.empty() && std::filesystem::is_directory(args.source))
+    fail_usage("a recording is replayed without a site file", "octant init RUN -o SITE.yaml begins one");
   std::unique_ptr<RowSource> source =
-      input.site ? open_row_source(args, Site(*input.site), input, session)
-                 : open_row_source(args, Deployment(*input.deployment), input, session);
+      input.site         ? open_row_source(args, Site(*input.site), input, session)
+      : input.deployment ? open_row_source(args, Deployment(*input.deployment), input, session)
+                         : open_nameless_source(args.source, session);
   const NoExitAtOnce recording;
   std::signal(SIGPIPE, SIG_IGN);
   Commissioning commissioning(std::move(input), session);
@@ -140,8 +144,8 @@ void add_cockpit(CLI::App& app, CommonOptions& common, Action& action) {
   const auto [command, args] = add_command<CockpitArgs>(
       app, common, action, "cockpit", "Calibrate a site while it is recorded, on a page in the browser",
       "octant cockpit hall/site.yaml --source tcp:7070 -o hall/run2", run_cockpit);
-  add_required_option(*command, "input", args->input, "SITE.yaml|DEPLOYMENT.json",
-                      "Site file to commission, or a deployment to monitor");
+  add_option(*command, "input", args->input, "SITE.yaml|DEPLOYMENT.json",
+             "Site file to commission, or a deployment to monitor; without one the page asks for the site");
   add_option(*command, "-o,--output", args->run, "RUN",
              "Run folder to write; without it run-DATE-TIME, or none for a deployment");
   add_option(

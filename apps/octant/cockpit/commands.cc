@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 // Requests of the page.
+#include <algorithm>
 #include <cmath>
 
 #include "apps/octant/cockpit/commissioning.h"
@@ -38,10 +39,11 @@ bool is_length(double value_m) { return std::isfinite(value_m) && std::abs(value
 
 HttpResponse Commissioning::answer(const HttpRequest& request) {
   if (request.method == "POST") {
-    if (request.path != "/api/command") return http_error(404, "There is no such command.");
+    if (request.path != "/api/command" && request.path != "/api/floor")
+      return http_error(404, "There is no such command.");
     const Json command = Json::parse(request.body, nullptr, false);
     if (!command.is_object()) return http_error(400, "The body is not a JSON object.");
-    return obey(command);
+    return request.path == "/api/floor" ? floor_if(command) : obey(command);
   }
   if (request.path == "/") return {.type = "text/html", .body = std::string(cockpit_html())};
   if (request.path == "/cockpit.js") return {.type = "text/javascript", .body = std::string(cockpit_js())};
@@ -59,6 +61,26 @@ HttpResponse Commissioning::answer(const HttpRequest& request) {
   return http_error(404, "There is no such page.");
 }
 
+HttpResponse Commissioning::floor_if(const Json& question) const {
+  std::unique_lock lock(mutex_);
+  if (!view_.model) return http_error(422, "There is no geometry yet: too few beacons have a position.");
+  survey::SurveyModel model = *view_.model;
+  const Scene scene = view_.scene;
+  lock.unlock();
+  const auto moves = question.find("moves");
+  if (moves == question.end() || !moves->is_array()) return http_error(400, "The key 'moves' is a list.");
+  for (const Json& move : *moves) {
+    if (!move.is_object()) return http_error(400, "A move has the keys id, x_m and y_m.");
+    const double x_m = number_of(move, "x_m", std::nan("")), y_m = number_of(move, "y_m", std::nan(""));
+    const auto beacon = std::ranges::find(model.beacons, word_of(move, "id"), &survey::SurveyBeacon::name);
+    if (beacon == model.beacons.end() || !is_length(x_m) || !is_length(y_m))
+      return http_error(422, "A move has the id of a beacon with a position, x_m and y_m in metres.");
+    beacon->p_map_m.head<2>() << x_m, y_m;
+  }
+  const std::string floor = floor_json(std::move(model), scene, nullptr, 1);
+  return {.body = floor.empty() ? "null" : floor};
+}
+
 HttpResponse Commissioning::obey(const Json& command) {
   const std::string client = word_of(command, "client"), what = word_of(command, "do");
   if (client.empty() || what.empty())
@@ -74,8 +96,9 @@ HttpResponse Commissioning::obey(const Json& command) {
 }
 
 Result<void> Commissioning::carry_out(const std::string& what, const Json& command) {
-  if (!input_.site || !recorder_)
+  if (input_.deployment || !recorder_)
     return not_obeyed("a deployment is monitored", "commands belong to a commissioning");
+  if (what == "set_site") return set_site(command);
   if (!finished_.is_null() || finish_order_) return not_obeyed("the run is finished", "a run in progress");
   if (what == "begin_stop") {
     const auto begun = recorder_->begin_stop();
@@ -90,6 +113,7 @@ Result<void> Commissioning::carry_out(const std::string& what, const Json& comma
     return recorder_->delete_stop(epoch->get<std::int64_t>());
   }
   if (what == "control_point") return set_point(command);
+  if (!input_.site) return not_obeyed("the site is not described yet", "the command set_site first");
   if (what == "exchange") return reread(site_edit_.exchange(word_of(command, "a"), word_of(command, "b")));
   if (what == "undo") return reread(site_edit_.undo());
   if (what == "finish") {
@@ -97,8 +121,9 @@ Result<void> Commissioning::carry_out(const std::string& what, const Json& comma
     finish_order_ = accept != command.end() && accept->is_boolean() && accept->get<bool>();
     return {};
   }
-  return not_obeyed("an unknown command",
-                    "begin_stop, end_stop, delete_stop, control_point, exchange, undo, finish or take_over");
+  return not_obeyed(
+      "an unknown command",
+      "begin_stop, end_stop, delete_stop, control_point, exchange, undo, set_site, finish or take_over");
 }
 
 Result<void> Commissioning::reread(Result<void> changed) {

@@ -27,19 +27,24 @@ double seconds_of(std::chrono::steady_clock::duration span) {
 
 Commissioning::Commissioning(CommissioningInput input, Session& session)
     : input_(std::move(input)),
+      names_(input_.names()),
       session_(session),
       live_(input_.names(), input_.lateness_s, input_.deployment.has_value()),
       site_edit_(input_.path) {
   if (!input_.run.empty()) {
     recorder_.emplace(input_.run, input_.names(),
-                      input_.site ? input_.site->motion : input_.deployment->motion, input_.lateness_s);
+                      input_.site         ? input_.site->motion
+                      : input_.deployment ? input_.deployment->motion
+                                          : Motion::kPlanar,
+                      input_.lateness_s);
     need(recorder_->begin(input_.run_yaml));
   }
   if (input_.deployment) {
     live_.use(*input_.deployment);
-    Scene scene;
-    if (auto model = survey::make_survey_model(*input_.deployment, scene))
-      view_.floor = floor_json(std::move(*model), scene, &*input_.deployment, session_.threads());
+    if (auto model = survey::make_survey_model(*input_.deployment, view_.scene)) {
+      view_.model = std::move(*model);
+      view_.floor = floor_json(*view_.model, view_.scene, &*input_.deployment, session_.threads());
+    }
     floor_version_ = 1;
   } else {
     worker_ = std::thread([this] { work(); });
@@ -62,6 +67,14 @@ RowSource::Event Commissioning::advance(RowSource& source) {
   const auto event = source.read(kReadTimeout_ms, [&rows](const io::LiveRow& row) { rows.push_back(row); });
   const auto now = Clock::now();
   const std::lock_guard lock(mutex_);
+  if (const NameTable* names = source.new_names(); names != nullptr && input_.site) {
+    rows.clear();  // the site was described while these rows were read, and they have names without an id
+  } else if (names != nullptr) {
+    names_ = *names;
+    live_.set_names(names_);
+    if (recorder_) recorder_->set_names(names_);
+  }
+  if (input_.site) source.freeze_names(names_);
   for (const io::LiveRow& row : rows) {
     live_.add(row);
     if (!recorder_ || !finished_.is_null() || finish_order_) continue;
@@ -109,7 +122,7 @@ void Commissioning::sync_disk() {
 
 /// A calibration pauses as long as it took, so that it uses at most half of a core.
 bool Commissioning::is_calibration_due() const {
-  if (!finished_.is_null()) return false;
+  if (!input_.site || !finished_.is_null()) return false;
   const double pause_s = std::max(calibration_s_, seconds_of(kLeastPause));
   return (is_site_changed_ || recorder_->counts().arrivals != calibrated_arrivals_) &&
          seconds_of(Clock::now() - calibrated_at_) > pause_s;
@@ -235,11 +248,17 @@ void Commissioning::add_recording(Json& state) const {
 
 Json Commissioning::state() const {
   const std::lock_guard lock(mutex_);
-  const Tolerance& tolerance = input_.site ? input_.site->tolerance : input_.deployment->tolerance;
+  const Tolerance tolerance = input_.site         ? input_.site->tolerance
+                              : input_.deployment ? input_.deployment->tolerance
+                                                  : Tolerance();
   Json state = {{"type", "octant_cockpit"},
                 {"version", 1},
-                {"mode", input_.site ? "commissioning" : "monitoring"},
-                {"site", input_.site ? input_.site->name : input_.deployment->site},
+                {"mode", input_.site         ? "commissioning"
+                         : input_.deployment ? "monitoring"
+                                             : "setup"},
+                {"site", input_.site         ? input_.site->name
+                         : input_.deployment ? input_.deployment->site
+                                             : ""},
                 {"site_file", input_.path},
                 {"site_changes", site_edit_.changes()},
                 {"tolerance",
@@ -257,6 +276,9 @@ Json Commissioning::state() const {
   state["calibration_s"] = calibration_s_;
   state["next_stop"] = view_.next_stop;
   state["light"] = input_.site ? light() : Json(nullptr);
+  state["receivers"] = Json::array();
+  for (const auto& r : names_.receivers)
+    state["receivers"].push_back(names_.vehicles[r.vehicle.index()] + "/" + r.name);
   state["floor_version"] = view_.floor.empty() ? 0 : floor_version_;
   state["finishing"] = finish_order_.has_value();
   state["finished"] = finished_;

@@ -18,7 +18,8 @@
 
 namespace octant::app {
 
-/// Inputs of a commissioning, or of the monitoring of a deployment.
+/// Inputs of a commissioning, or of the monitoring of a deployment. With neither, a commissioning begins with
+/// the names of the stream, and the operator describes the site.
 struct CommissioningInput {
   std::optional<Site> site;              ///< set for a commissioning
   std::optional<Deployment> deployment;  ///< set for monitoring
@@ -26,7 +27,9 @@ struct CommissioningInput {
   std::string run;                       ///< run folder to write; empty: monitoring without a record
   std::string run_yaml;                  ///< its run.yaml
   double lateness_s = 0.2;
-  [[nodiscard]] NameTable names() const { return site ? names_of(*site) : names_of(*deployment); }
+  [[nodiscard]] NameTable names() const {
+    return site ? names_of(*site) : deployment ? names_of(*deployment) : NameTable();
+  }
 };
 
 /// The commissioning of a site. Three threads use it: the one that reads the source adds rows, a thread of
@@ -63,8 +66,11 @@ class Commissioning {
   void sync_disk();
   [[nodiscard]] bool is_calibration_due() const;
   [[nodiscard]] HttpResponse obey(const Json& command);
+  /// Map of the floor with beacons at other places; it changes nothing.
+  [[nodiscard]] HttpResponse floor_if(const Json& question) const;
   [[nodiscard]] Result<void> carry_out(const std::string& what, const Json& command);
   [[nodiscard]] Result<void> set_point(const Json& command);
+  [[nodiscard]] Result<void> set_site(const Json& command);
   [[nodiscard]] Json light() const;
   [[nodiscard]] Json stops_json() const;
   /// Position of a beacon in the site file or the deployment; null if it is not known.
@@ -74,6 +80,7 @@ class Commissioning {
   [[nodiscard]] Result<void> reread(Result<void> changed);
 
   CommissioningInput input_;
+  NameTable names_;  ///< of the rows
   Session& session_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;

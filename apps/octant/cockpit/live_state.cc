@@ -23,6 +23,11 @@ LiveState::LiveState(NameTable names, double lateness_s, bool watch)
   options_.watch = watch;
 }
 
+void LiveState::set_names(const NameTable& names) {
+  names_ = names;
+  receptions_.resize(names_.beacons.size());
+}
+
 void LiveState::add(const io::LiveRow& row) {
   if (const auto* arrival = std::get_if<Arrival>(&row)) {
     Reception& reception = receptions_[arrival->beacon.index()];
@@ -34,13 +39,18 @@ void LiveState::add(const io::LiveRow& row) {
     Arrival mapped = *arrival;
     mapped.beacon = beacon_of_[arrival->beacon.index()];
     mapped.receiver = receiver_of_[arrival->receiver.index()];
+    mapped.vehicle = vehicle_of_[arrival->vehicle.index()];
     if (mapped.beacon.valid() && mapped.receiver.valid()) follower_->hear(mapped);
   } else if (!follower_) {
     return;
   } else if (const auto* step = std::get_if<OdometryStep>(&row)) {
-    follower_->move(*step);
+    OdometryStep mapped = *step;
+    mapped.vehicle = vehicle_of_[step->vehicle.index()];
+    if (mapped.vehicle.valid()) follower_->move(mapped);
   } else if (const auto* pose = std::get_if<OdometryPose>(&row)) {
-    follower_->move(*pose);
+    OdometryPose mapped = *pose;
+    mapped.vehicle = vehicle_of_[pose->vehicle.index()];
+    if (mapped.vehicle.valid()) follower_->move(mapped);
   } else if (std::holds_alternative<io::LiveFlush>(row)) {
     flush();
   }
@@ -65,8 +75,13 @@ void LiveState::use(const Deployment& deployment) {
   const NameTable names = names_of(deployment);
   beacon_of_.clear();
   receiver_of_.clear();
+  vehicle_of_.clear();
   for (const std::string& name : names_.beacons) beacon_of_.push_back(names.find_beacon(name));
-  for (const auto& r : names_.receivers) receiver_of_.push_back(names.find_receiver(r.vehicle, r.name));
+  for (const std::string& name : names_.vehicles) vehicle_of_.push_back(names.find_vehicle(name));
+  for (const auto& r : names_.receivers) {
+    const VehicleId vehicle = vehicle_of_[r.vehicle.index()];
+    receiver_of_.push_back(vehicle.valid() ? names.find_receiver(vehicle, r.name) : ReceiverId());
+  }
   follower_ = std::move(next);
 }
 

@@ -22,6 +22,8 @@ class LiveState {
  public:
   LiveState(NameTable names, double lateness_s, bool watch);
 
+  /// Replaces the names by longer lists that begin with the same ones.
+  void set_names(const NameTable& names);
   void add(const io::LiveRow& row);
   /// Completes the poses that wait for further rows, because the stream is quiet.
   void flush();
@@ -51,6 +53,7 @@ class LiveState {
   std::unique_ptr<Follower> follower_;
   std::vector<BeaconId> beacon_of_;      ///< beacon of the deployment by beacon of the names
   std::vector<ReceiverId> receiver_of_;  ///< likewise for receivers
+  std::vector<VehicleId> vehicle_of_;
   std::optional<Fix> fix_;
   Clock::time_point fixed_at_{}, last_tick_ = Clock::now();
   std::deque<std::array<double, 2>> track_;

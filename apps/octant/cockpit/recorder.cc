@@ -41,7 +41,13 @@ std::optional<std::int64_t> epoch_of_row(std::string_view row) {
 }  // namespace
 
 RunRecorder::RunRecorder(std::string folder, NameTable names, Motion motion, double lateness_s)
-    : folder_(std::move(folder)), names_(std::move(names)), motion_(motion), lateness_s_(lateness_s) {
+    : folder_(std::move(folder)), motion_(motion), lateness_s_(lateness_s) {
+  set_names(std::move(names));
+}
+
+void RunRecorder::set_names(NameTable names) {
+  names_ = std::move(names);
+  for (auto* fields : {&beacon_fields_, &vehicle_fields_, &receiver_fields_}) fields->clear();
   for (const auto& name : names_.beacons) beacon_fields_.push_back(io::csv_field(name));
   for (const auto& name : names_.vehicles) vehicle_fields_.push_back(io::csv_field(name));
   for (const auto& receiver : names_.receivers) receiver_fields_.push_back(io::csv_field(receiver.name));
@@ -51,12 +57,10 @@ Result<void> RunRecorder::begin(const std::string& run_yaml) {
   std::error_code error;
   std::filesystem::create_directories(folder_, error);
   if (error) return fail({.code = Errc::kOutput, .file = folder_, .found = error.message()});
-  const bool several = names_.vehicles.size() > 1;
   odometry_ = std::make_unique<AppendFile>(
       folder_ + "/odometry.csv",
-      std::string(motion_ == Motion::kPlanar ? "time_s,dx_m,dy_m,dheading_rad"
-                                             : "time_s,dx_m,dy_m,dz_m,qx,qy,qz,qw") +
-          (several ? ",vehicle\n" : "\n"));
+      std::string(motion_ == Motion::kPlanar ? "time_s,dx_m,dy_m,dheading_rad,vehicle\n"
+                                             : "time_s,dx_m,dy_m,dz_m,qx,qy,qz,qw,vehicle\n"));
   unused_ = std::make_unique<AppendFile>(folder_ + "/unused.csv", kUnusedHeader);
   return io::write_file(folder_ + "/run.yaml", run_yaml);
 }
@@ -179,8 +183,7 @@ void RunRecorder::write_step(OdometryStep step) {
     const Eigen::Quaterniond q = step.pose().rotation;
     row += fmt::format("{},{},{},{},{}", step.dz_m, q.x(), q.y(), q.z(), q.w());
   }
-  if (names_.vehicles.size() > 1) row += "," + vehicle_fields_[step.vehicle.index()];
-  odometry_->add(row + "\n");
+  odometry_->add(row + "," + vehicle_fields_[step.vehicle.index()] + "\n");
   ++counts_.odometry;
 }
 

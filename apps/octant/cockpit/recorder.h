@@ -54,6 +54,8 @@ class RunRecorder {
  public:
   RunRecorder(std::string folder, NameTable names, Motion motion, double lateness_s);
 
+  /// Replaces the names by longer lists that begin with the same ones.
+  void set_names(NameTable names);
   /// Creates the folder with run.yaml.
   [[nodiscard]] Result<void> begin(const std::string& run_yaml);
   void add(Arrival arrival);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -12,14 +13,28 @@
 namespace octant::app {
 namespace {
 
+/// A name in a line; empty if it is unusable: no text or number, too long, with control characters.
+std::string stream_name(const Json& line, const char* key, const std::string& otherwise) {
+  constexpr std::size_t kLongestName = 64;
+  const auto at = line.find(key);
+  if (at == line.end() || at->is_null()) return otherwise;
+  const std::string name = at->is_string()           ? at->get<std::string>()
+                           : at->is_number_integer() ? at->dump()
+                                                     : "";
+  const bool is_plain =
+      std::ranges::none_of(name, [](char c) { return static_cast<unsigned char>(c) < ' '; });
+  return is_plain && name.size() <= kLongestName ? name : "";
+}
+
 class LineSource : public RowSource {
  public:
-  LineSource(std::string where, ByteSource source, NameTable names, double constant_speed_mps,
+  LineSource(std::string where, ByteSource source, std::optional<NameTable> names, double constant_speed_mps,
              Session& session)
       : where_(std::move(where)),
         source_(std::move(source)),
-        reader_(std::move(names), constant_speed_mps),
-        session_(session) {}
+        reader_(names.value_or(NameTable()), constant_speed_mps),
+        session_(session),
+        learns_(!names) {}
 
   Event read(int timeout_ms, const Sink& sink) override {
     using From = ByteSource::Event;
@@ -30,7 +45,8 @@ class LineSource : public RowSource {
     const From event = source_.wait(timeout_ms);
     const auto line = [&](std::string_view text) {
       ++lines_;
-      const auto row = reader_.row(text);
+      auto row = reader_.row(text);
+      if (!row && learns_ && learn_names(text)) row = reader_.row(text);
       if (row) return sink(*row);
       bad_.add(row.error().message(), lines_, session_);
     };
@@ -42,17 +58,51 @@ class LineSource : public RowSource {
     return is_over_ ? Event::kEnd : event == From::kQuiet ? Event::kQuiet : Event::kRows;
   }
   [[nodiscard]] std::string description() const override { return where_; }
+  [[nodiscard]] const NameTable* new_names() override {
+    return std::exchange(has_new_names_, false) ? &names_ : nullptr;
+  }
+  void freeze_names(const NameTable& names) override {
+    if (!std::exchange(learns_, false)) return;
+    names_ = names;
+    reader_ = io::LiveReader(names_);
+    has_new_names_ = false;
+  }
   [[nodiscard]] std::map<std::string, std::size_t> bad_lines() const override { return bad_.kinds(); }
 
  private:
+  /// Adds the names of a line. @return false if there is no new one
+  bool learn_names(std::string_view text) {
+    const Json line = Json::parse(text, nullptr, false);
+    if (!line.is_object() || !line.contains("time_s")) return false;
+    const std::string vehicle = stream_name(line, "vehicle", "robot"),
+                      beacon = stream_name(line, "beacon", "");
+    bool is_new = false;
+    if (!names_.find_vehicle(vehicle).valid() && names_.vehicles.size() < kMostVehicles && !vehicle.empty())
+      names_.vehicles.push_back(vehicle), is_new = true;
+    const VehicleId id = names_.find_vehicle(vehicle);
+    if (!id.valid()) return false;
+    if (!beacon.empty() && !names_.find_beacon(beacon).valid() && names_.beacons.size() < kMostBeacons)
+      names_.beacons.push_back(beacon), is_new = true;
+    const std::string receiver = stream_name(line, "receiver", "r0");
+    const bool has = std::ranges::any_of(
+        names_.receivers, [&](const auto& r) { return r.vehicle == id && r.name == receiver; });
+    if (!has && !receiver.empty() && names_.receivers.size() < kMostReceivers)
+      names_.receivers.push_back({receiver, id}), is_new = true;
+    if (is_new) reader_ = io::LiveReader(names_);
+    has_new_names_ = has_new_names_ || is_new;
+    return is_new;
+  }
+
+  static constexpr std::size_t kMostBeacons = 1000, kMostReceivers = 100, kMostVehicles = 20;
   std::string where_;
   ByteSource source_;
   io::LineCutter cutter_;
   io::LiveReader reader_;
   Session& session_;
   BadLines bad_;
+  NameTable names_;  ///< that were learned
   std::size_t lines_ = 0;
-  bool is_over_ = false;
+  bool is_over_ = false, learns_, has_new_names_ = false;
 };
 
 class ReplaySource : public RowSource {
@@ -98,8 +148,10 @@ class ReplaySource : public RowSource {
 
 }  // namespace
 
-std::unique_ptr<RowSource> open_line_source(const std::string& where, NameTable names,
-                                            double constant_speed_mps, Session& session) {
+namespace {
+
+std::unique_ptr<RowSource> open_stream(const std::string& where, std::optional<NameTable> names,
+                                       double constant_speed_mps, Session& session) {
   constexpr std::string_view kSerial = "serial:";
   const std::string path = where == "stdin"             ? "-"
                            : where.starts_with(kSerial) ? where.substr(kSerial.size())
@@ -108,6 +160,17 @@ std::unique_ptr<RowSource> open_line_source(const std::string& where, NameTable 
   if (!source.listens().empty()) session.note(source.listens());
   return std::make_unique<LineSource>(where, std::move(source), std::move(names), constant_speed_mps,
                                       session);
+}
+
+}  // namespace
+
+std::unique_ptr<RowSource> open_line_source(const std::string& where, NameTable names,
+                                            double constant_speed_mps, Session& session) {
+  return open_stream(where, std::move(names), constant_speed_mps, session);
+}
+
+std::unique_ptr<RowSource> open_nameless_source(const std::string& where, Session& session) {
+  return open_stream(where, std::nullopt, 0.0, session);
 }
 
 std::unique_ptr<RowSource> replay_source(MeasurementLog run, double speed) {

@@ -26,6 +26,11 @@ class RowSource {
   [[nodiscard]] virtual Event read(int timeout_ms, const Sink& sink) = 0;
   /// Source in words, for people.
   [[nodiscard]] virtual std::string description() const = 0;
+  /// Names that the stream has brought since the last call; null if there are no new ones. Earlier names keep
+  /// their ids.
+  [[nodiscard]] virtual const NameTable* new_names() { return nullptr; }
+  /// Uses these names from now on and learns no further ones, because a site file defines them.
+  virtual void freeze_names(const NameTable& /*names*/) {}
   /// Kinds of invalid lines with their counts.
   [[nodiscard]] virtual std::map<std::string, std::size_t> bad_lines() const { return {}; }
 };
@@ -33,6 +38,8 @@ class RowSource {
 /// Opens a stream of live lines: "stdin" or "-", "tcp:PORT", "udp:PORT", "serial:DEVICE[:BAUD]" or a device.
 [[nodiscard]] std::unique_ptr<RowSource> open_line_source(const std::string& where, NameTable names,
                                                           double constant_speed_mps, Session& session);
+/// The same without a site: names are those of the lines.
+[[nodiscard]] std::unique_ptr<RowSource> open_nameless_source(const std::string& where, Session& session);
 /// Replays arrivals and odometry of a recording. @param speed  relative to real time; 0: at once
 [[nodiscard]] std::unique_ptr<RowSource> replay_source(MeasurementLog run, double speed);
 

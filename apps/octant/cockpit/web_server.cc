@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <exception>
 #include <list>
 #include <utility>
 #include <vector>
@@ -155,9 +156,18 @@ struct WebServer::Loop {
     } else if (c.reader.is_complete()) {
       const HttpRequest request = c.reader.request();
       auto refused = guard.refusal(request);
-      answer(c, refused ? std::move(*refused) : handler(request));
+      answer(c, refused ? std::move(*refused) : handled(request));
     }
     return true;
+  }
+
+  /// Answer of the handler. A fault of it concerns one request, and never the recording.
+  [[nodiscard]] HttpResponse handled(const HttpRequest& request) const {
+    try {
+      return handler(request);
+    } catch (const std::exception& fault) {
+      return http_error(500, std::string("A fault of octant, please report it: ") + fault.what());
+    }
   }
 
   static void answer(Connection& c, const HttpResponse& response) {

@@ -45,7 +45,7 @@ class Cockpit:
 
     def __init__(self, folder, *words, site=os.path.join(HALL, "site.yaml")):
         self.run = os.path.join(folder, "recorded")
-        self.process = subprocess.Popen([OCTANT, "cockpit", site, "--listen", "127.0.0.1:0", "-o", self.run, *words],
+        self.process = subprocess.Popen([OCTANT, "cockpit", *([site] if site else []), "--listen", "127.0.0.1:0", "-o", self.run, *words],
                                         stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         self.notes = []
         for line in self.process.stderr:
@@ -231,6 +231,50 @@ class Commissioning(Folder):
             self.assertEqual(state["recording"]["clock_steps"], 1)
             self.assertLess(state["recording"]["late"], 30)
         self.assertIn(calibrated(os.path.join(HALL, "site.yaml"), cockpit.run, os.path.join(self.folder, "d.json"))[0], (0, 6))
+
+
+class Nameless(Folder):
+    def test_a_site_is_described_from_the_names_that_are_received(self):
+        with Cockpit(self.folder, site=None) as cockpit:
+            self.assertEqual(cockpit.command("set_site", kind="ultrasound")[0], 422, "no name yet")
+            cockpit.send(['{"time_s": 0.5, "beacon": "a\\nb", "tof_s": 0.01}', *lines_of(os.path.join(HALL, "run"))])
+            state = cockpit.until(lambda s: s["recording"]["arrivals"] == 2161, "rows")
+            self.assertEqual((state["mode"], sorted(b["id"] for b in state["beacons"]), len(state["receivers"])), ("setup", [f"B{i}" for i in range(8)], 8))
+            self.assertEqual(sum(state["source"]["bad_lines"].values()), 1)
+            self.assertEqual(cockpit.command("undo")[0], 422)
+            with open(os.path.join(HALL, "site.yaml"), encoding="utf-8") as file:
+                places = re.findall(r"id: (B\d), position_m: \[([^,]+), ([^,]+), ([^,]+)\]", file.read())
+            control = ("B0", "B3", "B6")
+            beacons = [{"id": b, "x_m": float(x), "y_m": float(y), "sigma_m": 0.0 if b in control else 0.5, **({"z_m": float(z)} if b in control else {})} for b, x, y, z in places]
+            self.assertEqual(cockpit.command("set_site", beacons=[{"id": "B9", "x_m": 1, "y_m": 1}])[0], 422)
+            self.assertEqual(cockpit.command("set_site", height_m="tall")[0], 422)
+            status, answer = cockpit.command("set_site", temperature_degC=21, ring_radius_m=0.0653281, height_m=0.3, beacons=beacons)
+            self.assertEqual(status, 200, answer)
+            state = cockpit.until(lambda s: s["calibration"] and s["calibration"]["arrivals"] > 0, "a calibration")
+            self.assertEqual(state["mode"], "commissioning")
+            state = cockpit.until(lambda s: s["light"]["colour"] != "not_yet", "a verdict")
+            self.assertEqual(state["light"]["colour"], "good", state["light"])
+            with open(cockpit.run + "/site.yaml", encoding="utf-8") as file:
+                self.assertIn("octant_site: 1", file.read())
+            self.assertEqual(cockpit.command("set_site")[0], 422, "there is one")
+
+
+class Places(Folder):
+    def test_a_map_with_beacons_at_other_places_takes_a_tenth_of_a_second(self):
+        with Cockpit(self.folder, "--source", os.path.join(HALL, "run"), "--speed", "0") as cockpit:
+            cockpit.until(lambda s: s["floor_version"] > 0, "a map")
+            before = json.loads(cockpit.ask("GET", "/api/floor")[1])
+            typed, times = {"Content-Type": "application/json"}, []
+            for step in range(5):
+                began = time.monotonic()
+                answer, text = cockpit.ask("POST", "/api/floor", json.dumps({"moves": [{"id": "B1", "x_m": 3 + step, "y_m": 6}]}), typed)
+                times.append(time.monotonic() - began)
+                self.assertEqual(answer.status, 200, text)
+                self.assertNotEqual(json.loads(text)["values_m"], before["values_m"])
+            print(f"maps with a moved beacon: {1000 * min(times):.0f} ms", file=sys.stderr)
+            for moves, status in (([{"id": "B99", "x_m": 1, "y_m": 1}], 422), ([{"id": "B1", "x_m": 1e300, "y_m": 1}], 422), ("B1", 400), ([7], 400)):
+                self.assertEqual(cockpit.ask("POST", "/api/floor", json.dumps({"moves": moves}), typed)[0].status, status)
+            self.assertEqual(json.loads(cockpit.ask("GET", "/api/floor")[1]), before)
 
 
 class Kills(Folder):

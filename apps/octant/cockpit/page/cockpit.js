@@ -56,11 +56,12 @@ function showLight() {
 
 function showNext() {
   const n = state.next_stop, marked = ["marked", "undecided", "drive"].includes(state.recording?.stop_mode) && !state.recording?.odometry_rows;
-  const open = state.open_stop !== null;
+  const open = state.open_stop !== null, colour = state.light?.colour;
   $("next").textContent = state.finishing ? "Finishing: the complete run is calibrated." : state.finished ? ""
     : open ? `Stop ${state.open_stop} is open: keep the vehicle still.`
-    : n && state.light.colour !== "good" ? `Go to x ${n.x_m.toFixed(1)}, y ${n.y_m.toFixed(1)} m, heading ${Math.round(n.heading_rad * 180 / Math.PI)}°. Best for ${n.most_for}: ${length(n.sigma_before_m)} to ${length(n.sigma_after_m)}.`
-    : state.light.colour === "good" ? "All beacons meet the tolerance. Finish, or add stops." : "Stop anywhere in the hall, then at places well apart.";
+    : state.mode === "setup" ? "Arrivals are recorded already. The calibration starts with the description."
+    : n && colour !== "good" ? `Go to x ${n.x_m.toFixed(1)}, y ${n.y_m.toFixed(1)} m, heading ${Math.round(n.heading_rad * 180 / Math.PI)}°. Best for ${n.most_for}: ${length(n.sigma_before_m)} to ${length(n.sigma_after_m)}.`
+    : colour === "good" ? "All beacons meet the tolerance. Finish, or add stops." : "Stop anywhere in the hall, then at places well apart.";
   const over = Boolean(state.finished || state.finishing);
   $("begin-stop").disabled = over || open || !marked;
   $("end-stop").disabled = over || !open;
@@ -100,6 +101,13 @@ function showBeacons() {
   fill($("beacons"), state.beacons.map(b => {
     const c = found.get(b.id), row = element("tr"), [words, kind] = beaconState(b, c);
     row.append(element("th", b.id, {scope: "row"}), element("td", words, {className: `words ${kind}`}), element("td", c?.status === "control_point" ? "fixed" : length(c?.radius95_m)), element("td", String(b.arrivals)), element("td", b.rate_hz.toFixed(b.rate_hz < 10 ? 1 : 0)));
+    if (state.mode === "setup") {
+      const button = element("button", "Place", {type: "button"});
+      button.setAttribute("aria-label", `Place ${b.id}`);
+      button.dataset.key = `place ${b.id}`;
+      button.onclick = () => placeNext(b.id);
+      row.children[1].replaceChildren(button);
+    }
     return row;
   }));
 }
@@ -136,16 +144,47 @@ function showLive() {
   fill($("alarms"), state.alarms.slice(-20).reverse().map(a => element("li", `${a.kind.replaceAll("_", " ")}: ${a.beacon ?? a.receiver ?? ""} ${length(Math.abs(a.size_m ?? 0))}`)));
 }
 
+/** Form for a site of which only names are known. */
+function showSetup() {
+  $("setup-heard").textContent = state.beacons.length ? `Received: ${state.beacons.map(b => b.id).join(", ")}; receivers ${state.receivers.join(", ")}.` : "No arrival yet.";
+  $("setup-ring").hidden = state.receivers.length < 2;
+  plan.movable = true;
+}
+
+function placeNext(id) {
+  $("connection").textContent = `Tap the place of ${id} on the plan`;
+  $("plan").scrollIntoView({block: "nearest"});
+  plan.onTap = (x, y) => {
+    plan.onTap = null, plan.fits = false;
+    plan.moved.set(id, [x, y]);
+    plan.draw();
+  };
+}
+
+/** Map of the floor with beacons at other places, while they are dragged. */
+let asking = false, askAgain = false;
+async function askFloor() {
+  if (asking) { askAgain = true; return; }
+  asking = true;
+  const moves = [...plan.moved].map(([id, [x_m, y_m]]) => ({id, x_m, y_m}));
+  const answer = await fetch("/api/floor", {method: "POST", headers: {"Content-Type": "application/json"}, body: JSON.stringify({moves})});
+  if (answer.ok && trying()) plan.show(state, await answer.json());
+  asking = false;
+  if (askAgain) { askAgain = false; askFloor(); }
+}
+const trying = () => $("try-places").getAttribute("aria-pressed") === "true";
+
 function show(next) {
   state = next;
   document.body.className = state.mode;
   $("site").textContent = state.site, $("mode").textContent = state.mode;
-  $("connection").textContent = state.source.is_over ? "The source has ended" : "Live";
+  if (!plan.onTap && !trying()) $("connection").textContent = state.source.is_over ? "The source has ended" : "Live";
   showLight();
-  if (state.mode === "commissioning") { showNext(); showFindings(); showStops(); }
+  if (state.mode === "setup") showSetup();
+  if (state.mode !== "monitoring") { showNext(); showFindings(); showStops(); }
   showBeacons();
   showLive();
-  plan.show(state, floor);
+  plan.show(state, trying() ? plan.floor : floor);
   const v = state.vehicle;
   $("plan").setAttribute("aria-label", `Plan of the site: ${state.beacons.length} beacons, ${state.stops.length} stops` + (v ? `, vehicle at x ${v.x_m.toFixed(1)}, y ${v.y_m.toFixed(1)} m` : ""));
   if (state.floor_version !== floorVersion) loadFloor(state.floor_version);
@@ -184,6 +223,19 @@ $("control-point").onclick = () => {
     if ($("point-dialog").returnValue === "ok") command("control_point", {epoch, x_m: number("point-x"), y_m: number("point-y"), sigma_m: number("point-sigma"), name: $("point-name").value});
   }, {once: true});
   $("point-dialog").showModal();
+};
+$("setup-form").onsubmit = async e => {
+  e.preventDefault();
+  const number = id => Number($(id).value.replace(",", "."));
+  const beacons = [...plan.moved].map(([id, [x_m, y_m]]) => ({id, x_m, y_m, sigma_m: 0.5}));
+  if (await command("set_site", {kind: $("setup-kind").value, temperature_degC: number("setup-temperature"), height_m: number("setup-height"), ring_radius_m: number("setup-radius"), beacon_m: number("setup-beacon"), fix_m: number("setup-fix"), beacons})) plan.moved.clear(), plan.movable = false, plan.fits = true;
+};
+$("try-places").onclick = () => {
+  const on = !trying();
+  $("try-places").setAttribute("aria-pressed", on);
+  plan.movable = on, plan.onMove = on ? askFloor : null, plan.moved.clear();
+  $("connection").textContent = on ? "Drag a beacon: the map shows the error of a fix with it there" : "Live";
+  on ? askFloor() : plan.show(state, floor);
 };
 $("zoom-in").onclick = () => plan.zoom(1.4);
 $("zoom-out").onclick = () => plan.zoom(1 / 1.4);

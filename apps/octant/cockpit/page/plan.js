@@ -22,13 +22,31 @@ export class Plan {
     this.state = null, this.floor = null, this.view = null, this.fingers = new Map();
     this.fits = true;  // until somebody moves it
     new ResizeObserver(() => this.draw()).observe(canvas);
-    canvas.addEventListener("pointerdown", e => { canvas.setPointerCapture(e.pointerId); this.fingers.set(e.pointerId, [e.offsetX, e.offsetY]); });
-    for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, e => this.fingers.delete(e.pointerId));
+    this.moved = new Map();  // places of beacons that the operator has chosen
+    this.held = null, this.movable = false, this.onMove = null, this.onTap = null;
+    canvas.addEventListener("pointerdown", e => this.press(e));
+    for (const name of ["pointerup", "pointercancel"]) canvas.addEventListener(name, e => { this.fingers.delete(e.pointerId); this.held = null; });
     canvas.addEventListener("pointermove", e => this.move(e));
     canvas.addEventListener("wheel", e => { e.preventDefault(); this.zoom(Math.exp(-e.deltaY / 500), e.offsetX, e.offsetY); }, {passive: false});
   }
 
+  /** Holds the beacon under the finger, or tells where the plan was tapped. */
+  press(e) {
+    this.canvas.setPointerCapture(e.pointerId);
+    this.fingers.set(e.pointerId, [e.offsetX, e.offsetY]);
+    if (!this.view) return;
+    if (this.onTap) return this.onTap(...this.place(e.offsetX, e.offsetY));
+    const reach = 28, off = b => { const [px, py] = this.at(b.x, b.y); return Math.hypot(px - e.offsetX, py - e.offsetY); };
+    if (this.movable) this.held = this.beacons().filter(b => off(b) < reach).sort((a, b) => off(a) - off(b))[0]?.id ?? null;
+  }
+
   move(e) {
+    if (this.held !== null && this.fingers.has(e.pointerId)) {
+      this.fits = false;
+      this.moved.set(this.held, this.place(e.offsetX, e.offsetY));
+      this.onMove?.();
+      return this.draw();
+    }
     const before = this.fingers.get(e.pointerId);
     if (!before || !this.view) return;
     const other = [...this.fingers].find(([id]) => id !== e.pointerId)?.[1];
@@ -57,7 +75,7 @@ export class Plan {
   beacons() {
     const found = new Map((this.state?.calibration?.beacons ?? []).map(b => [b.id, b]));
     return (this.state?.beacons ?? []).map(b => {
-      const c = found.get(b.id), p = c?.position_m ?? b.stated_m;
+      const c = found.get(b.id), p = this.moved.get(b.id) ?? c?.position_m ?? b.stated_m;
       return p && {id: b.id, x: p[0], y: p[1], covariance: c?.covariance_xy_m2, radius: c?.radius95_m, status: c?.status ?? "stated"};
     }).filter(Boolean);
   }
@@ -66,7 +84,7 @@ export class Plan {
     const points = this.beacons().map(b => [b.x, b.y]);
     if (this.floor) points.push(this.floor.origin_m, [this.floor.origin_m[0] + this.floor.cell_m * this.floor.columns, this.floor.origin_m[1] + this.floor.cell_m * this.floor.rows]);
     for (const s of this.state?.calibration?.stops ?? []) points.push([s.x_m, s.y_m]);
-    if (!points.length) return null;
+    if (!points.length) points.push([0, 0], [20, 15]);
     const xs = points.map(p => p[0]), ys = points.map(p => p[1]);
     const low = [Math.min(...xs), Math.min(...ys)], high = [Math.max(...xs), Math.max(...ys)];
     const scale = Math.min((this.canvas.clientWidth - 90) / Math.max(1, high[0] - low[0]), (this.canvas.clientHeight - 100) / Math.max(1, high[1] - low[1]));
@@ -89,6 +107,7 @@ export class Plan {
     if (this.fits) this.view = this.fitted();
     if (!this.view) return;
     pen.font = FONT, pen.lineJoin = "round";
+    if (this.state.mode === "setup") this.drawGrid();
     this.drawFloor();
     this.drawPaths();
     this.drawStops();
@@ -120,6 +139,14 @@ export class Plan {
     const size = f.cell_m * this.view.scale, [px, py] = this.at(f.origin_m[0], f.origin_m[1] + f.cell_m * f.rows);
     this.pen.imageSmoothingEnabled = false;
     this.pen.drawImage(this.picture, px, py, size * f.columns, size * f.rows);
+  }
+
+  /** A grid of metres for places by hand. */
+  drawGrid() {
+    const [left, top] = this.place(0, 0), [right, bottom] = this.place(this.canvas.clientWidth, this.canvas.clientHeight);
+    const step = this.view.scale > 12 ? 1 : 10;
+    for (let x = Math.ceil(left / step) * step; x < right; x += step) this.line([[x, bottom], [x, top]], x ? "#dde3e8" : "#7a8793", 1);
+    for (let y = Math.ceil(bottom / step) * step; y < top; y += step) this.line([[left, y], [right, y]], y ? "#dde3e8" : "#7a8793", 1);
   }
 
   line(points, colour, width, dash = []) {
