@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "apps/octant/commands.h"
+#include "apps/octant/exchange/firmware.h"
 #include "apps/octant/outputs.h"
 #include "apps/octant/steps/steps.h"
 #include "io/deployment/deployment_json.h"
@@ -23,8 +24,9 @@ namespace {
 
 struct ExportArgs {
   std::vector<std::string> inputs;
-  std::string output, origin;
+  std::string output, origin, c_folder;
   double north_deg = 90.0;
+  FirmwareOptions firmware;
 };
 
 /// Context for reading a run: names, clock, and the speed of a medium with constant speed.
@@ -113,7 +115,34 @@ std::string to_tum(const io::ExportedContent& content) {
              .expected = "fixes (.csv, .tum) or a run with poses or truth"});
 }
 
+/// Writes the sources of the firmware edition with the tables of a deployment.
+int run_firmware(const ExportArgs& args, Session& session) {
+  if (!args.output.empty() || args.inputs.size() != 1)
+    fail_usage("--c needs one deployment and no -o", "write octant export DEPLOYMENT.json --c DIR");
+  std::vector<std::string> outputs;
+  for (const char* name : {"octant_fix.h", "octant_fix.c", "octant_site.h", "octant_site.c"})
+    outputs.push_back((std::filesystem::path(args.c_folder) / name).string());
+  check_no_overwriting({.inputs = args.inputs, .outputs = outputs});
+  const Deployment deployment = need(io::read_deployment(args.inputs.front()));
+  std::size_t bytes = 0;
+  std::error_code error;
+  const auto files = need(firmware_files(deployment, args.firmware));
+  std::filesystem::create_directories(args.c_folder, error);
+  if (error) fail_output(args.c_folder, error.message());
+  for (const FirmwareFile& file : files) {
+    need(io::write_file((std::filesystem::path(args.c_folder) / file.name).string(), file.text));
+    bytes += file.text.size();
+  }
+  session.result(
+      fmt::format("{:<17}{}: octant_fix.c, octant_fix.h, octant_site.c, octant_site.h for {} beacons\n",
+                  "written", args.c_folder, deployment.beacons.size()));
+  return session.finish(
+      {{"output", args.c_folder}, {"beacons", deployment.beacons.size()}, {"bytes", bytes}});
+}
+
 int run(const ExportArgs& args, Session& session) {
+  if (!args.c_folder.empty()) return run_firmware(args, session);
+  if (args.output.empty()) fail_usage("-o or --c is required", "state what to write");
   check_no_overwriting({.inputs = args.inputs, .outputs = {args.output}});
   const bool mcap = args.output.ends_with(".mcap"), geojson = args.output.ends_with(".geojson"),
              tum = args.output.ends_with(".tum");
@@ -154,17 +183,22 @@ int run(const ExportArgs& args, Session& session) {
 }  // namespace
 
 void add_export(CLI::App& app, CommonOptions& common, Action& action) {
-  const auto [command, args] = add_command<ExportArgs>(
-      app, common, action, "export", "Write runs, fixes and beacons for other programs: MCAP, GeoJSON, TUM",
-      "octant export hall/deployment.json hall/run hall/fixes.csv -o hall.mcap", run);
+  const auto [command, args] =
+      add_command<ExportArgs>(app, common, action, "export",
+                              "Write runs, fixes and beacons for other programs: MCAP, GeoJSON, TUM, C",
+                              "octant export hall/deployment.json hall/run hall/fixes.csv -o hall.mcap", run);
   add_required_option(
       *command, "inputs", args->inputs, "INPUT",
       "Deployment (.json) or site file (.yaml), run folders, fixes (fixes.csv or a .tum trajectory)");
-  add_required_option(*command, "-o,--output", args->output, "OUT",
-                      "What to write: NAME.mcap (Foxglove, PlotJuggler; octant convert reads it again), "
-                      "NAME.geojson (maps, WGS 84) or NAME.tum (evo)");
+  add_option(*command, "-o,--output", args->output, "OUT",
+             "What to write: NAME.mcap (Foxglove, PlotJuggler; octant convert reads it again), "
+             "NAME.geojson (maps, WGS 84) or NAME.tum (evo)");
   add_option(*command, "--origin", args->origin, "PLACE",
              "geojson: where the map's origin is, LATITUDE,LONGITUDE[,ALTITUDE] in degrees and metres");
+  add_option(*command, "--c", args->c_folder, "DIR",
+             "write C sources for a microcontroller, with the deployment as a table (no -o)");
+  command->add_flag("--float", args->firmware.single_precision, "c: single precision");
+  add_option(*command, "--vehicle", args->firmware.vehicle, "NAME", "c: vehicle that the firmware is for");
   command
       ->add_option("--north-deg", args->north_deg,
                    "geojson: direction of north in the map, counter-clockwise from +x [deg]")
