@@ -39,14 +39,35 @@ bool on_rails(const Deployment& deployment) {
          std::ranges::all_of(deployment.vehicles, [](const SiteVehicle& v) { return v.rail.has_value(); });
 }
 
-bool is_drive(const Deployment& deployment, const MeasurementLog& run) {
-  return is_drive_in_space(deployment, run) ||
-         (!run.has_epochs && (!run.odometry.empty() || (has_motion_prior(deployment) && run.poses.empty())));
-}
-
 /// Stops can be tied together by the odometry between them.
 bool can_chain(const Deployment& deployment) {
   return deployment.motion == Motion::kPlanar && deployment.timing.clock == Clock::kSynchronised;
+}
+
+/// Returns true for a drive in the plane whose states nothing connects, and which has too few arrivals at a
+/// time for single fixes: its vehicles are assumed to move as usual (MotionPrior).
+bool is_drive_with_assumed_motion(const Deployment& deployment, const MeasurementLog& run) {
+  constexpr std::size_t kFixArrivals = 3;  // as many as a pose in the plane has unknowns
+  if (!can_chain(deployment) || has_motion_prior(deployment) || on_rails(deployment) || run.has_epochs ||
+      !run.odometry.empty() || !run.poses.empty() || !run.bearings.empty())
+    return false;
+  std::size_t poses = 0, rich = 0;
+  for (std::size_t v = 0; v < deployment.vehicles.size(); ++v) {
+    const RowsByPose<Arrival> rows(run.arrivals, VehicleId(v), false);
+    poses += rows.count();
+    for (std::size_t i = 0; i < rows.count(); ++i) rich += rows.pose(i).size() >= kFixArrivals;
+  }
+  return 2 * rich < poses;
+}
+
+Deployment with_usual_motion(Deployment deployment) {
+  for (SiteVehicle& vehicle : deployment.vehicles) vehicle.motion.emplace();
+  return deployment;
+}
+
+bool is_drive(const Deployment& deployment, const MeasurementLog& run) {
+  return is_drive_in_space(deployment, run) || is_drive_with_assumed_motion(deployment, run) ||
+         (!run.has_epochs && (!run.odometry.empty() || (has_motion_prior(deployment) && run.poses.empty())));
 }
 
 /// Arrivals and bearings of the same pose together: of the same epoch, or of about the same time.
@@ -185,7 +206,10 @@ MethodChoice choose_method(const Deployment& deployment, const MeasurementLog& r
     return {Method::kRail, "the vehicle runs on a rail"};
   if (is_drive_in_space(deployment, run)) return {Method::kTracker, "a drive in space"};
   if (is_drive(deployment, run))
-    return {Method::kTracker, run.odometry.empty() ? "a drive with a motion prior" : "a drive with odometry"};
+    return {Method::kTracker, is_drive_with_assumed_motion(deployment, run)
+                                  ? "a drive, whose vehicle is assumed to move as usual (vehicles[].motion)"
+                              : run.odometry.empty() ? "a drive with a motion prior"
+                                                     : "a drive with odometry"};
   if (run.has_epochs && !run.arrivals.empty() && !run.odometry.empty() && can_chain(deployment))
     return {Method::kTracker, "stops with odometry between them"};
   return {Method::kLeastSquares, "all arrivals of each pose"};
@@ -195,7 +219,11 @@ namespace {
 
 std::vector<Fix> locate_at_one_speed(Method method, const Deployment& deployment, const MeasurementLog& run,
                                      const MethodInput& input) {
-  if (method == Method::kTracker) return track(run, deployment, {.protect = true});
+  if (method == Method::kTracker) {
+    // Protection levels would depend on the assumption.
+    if (is_drive_with_assumed_motion(deployment, run)) return track(run, with_usual_motion(deployment));
+    return track(run, deployment, {.protect = true});
+  }
   if (method == Method::kLeastSquares) return LeastSquaresLocalizer(deployment).locate(run);
   if (method == Method::kLineMap) return LineMapLocalizer(*input.line_map).locate(run);
   return locate_by_poses(*make_localizer(method, deployment, input), deployment, run,
