@@ -3,6 +3,7 @@
 #include "calib/network/adjust_network.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
@@ -20,7 +21,8 @@ using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 /// Steps below this are within the linear range of any survey, and their change of the sum of squares may be
 /// rounding.
 constexpr double kSmallStep_m = 1e-3;
-constexpr int kMostHalvings = 10;
+/// Damping of steps that are too long for the linearisation, relative to the diagonal of the normal matrix.
+constexpr double kFirstDamping = 1e-6, kMostDamping = 1e3;
 
 /// Matrix W with W^T W equal to the weight matrix, for a unit variance of unit weight.
 SparseRows whitening(const Network& network, double sigma_unit) {
@@ -128,6 +130,15 @@ void report(const Network& network, const NetworkColumns& columns, const Network
   }
 }
 
+/// Step of Levenberg and Marquardt.
+Eigen::VectorXd damped_step(const Linearised& at, double damping) {
+  Eigen::SparseMatrix<double> normal = at.jacobian.transpose() * at.jacobian;
+  for (Eigen::Index c = 0; c < normal.cols(); ++c)
+    normal.coeffRef(c, c) += damping * std::max(normal.coeff(c, c), std::numeric_limits<double>::min());
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(normal);
+  return factor.solve(at.jacobian.transpose() * at.whitened);
+}
+
 }  // namespace
 
 NetworkSolution adjust_network(const Network& network, const NetworkOptions& options) {
@@ -148,11 +159,13 @@ NetworkSolution adjust_network(const Network& network, const NetworkOptions& opt
     }
     ++solution.iterations;
     Eigen::VectorXd step = normals.solve(at.jacobian.transpose() * at.whitened, x - reference);
-    // A large step that increases the sum of squares is too long for the linearisation.
-    for (int halved = 0; halved < kMostHalvings && step.cwiseAbs().maxCoeff() > kSmallStep_m &&
-                         linearise(network, columns, w, x + step).whitened.norm() > at.whitened.norm();
-         ++halved)
-      step *= 0.5;
+    // A large step that increases the sum of squares is too long for the linearisation (Levenberg,
+    // Marquardt).
+    for (double damping = kFirstDamping;
+         damping < kMostDamping && step.cwiseAbs().maxCoeff() > kSmallStep_m &&
+         linearise(network, columns, w, x + step).whitened.norm() > at.whitened.norm();
+         damping *= 10.0)
+      step = damped_step(at, damping);
     x += step;
     if (options.datum_follows) reference = x;
     const double size = step.head(columns.first_set).cwiseAbs().maxCoeff();

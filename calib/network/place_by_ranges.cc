@@ -12,6 +12,8 @@
 #include <queue>
 #include <utility>
 
+#include "models/simulator/random.h"
+
 namespace octant::calib {
 namespace {
 
@@ -20,6 +22,8 @@ constexpr double kUnreached = std::numeric_limits<double>::infinity();
 constexpr int kWeightRounds = 15, kMajorizations = 20;
 /// Scale of the weights relative to the median residual: an ordinary residual keeps most of its weight.
 constexpr double kResidualScale = 3.0;
+/// Displacement of another start relative to the extent of the points.
+constexpr double kDisplacement = 0.3;
 
 using Neighbours = std::vector<std::vector<std::pair<int, double>>>;
 
@@ -115,7 +119,7 @@ void majorize(const std::vector<RangeEdge>& edges, Eigen::MatrixXd& positions_m)
 
 }  // namespace
 
-PlacedByRanges place_by_ranges(int points, const std::vector<RangeEdge>& edges, int dimensions) {
+PlacedByRanges place_by_ranges(int points, const std::vector<RangeEdge>& edges, int dimensions, int start) {
   Neighbours neighbours(static_cast<std::size_t>(points));
   for (const RangeEdge& e : edges) {
     neighbours[static_cast<std::size_t>(e.from)].emplace_back(e.to, e.length_m);
@@ -138,6 +142,11 @@ PlacedByRanges place_by_ranges(int points, const std::vector<RangeEdge>& edges, 
     if (from >= 0 && to >= 0) within.push_back({from, to, e.length_m});
   }
   placed.positions_m = classical_scaling(length_m, dimensions);
+  if (start > 0) {
+    Random draws(static_cast<std::uint64_t>(start));
+    const double size_m = kDisplacement * placed.positions_m.norm() / std::sqrt(placed.positions_m.size());
+    for (double& coordinate_m : placed.positions_m.reshaped()) coordinate_m += size_m * draws.normal();
+  }
   majorize(within, placed.positions_m);
   return placed;
 }

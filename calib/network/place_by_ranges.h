@@ -23,7 +23,9 @@ struct PlacedByRanges {
 /// Classical multidimensional scaling of the shortest paths, refined by majorization of the stress (SMACOF,
 /// de Leeuw 1977) with weights that decrease with the residual, so that echoes lose their influence.
 /// @param dimensions  2 or 3
-[[nodiscard]] PlacedByRanges place_by_ranges(int points, const std::vector<RangeEdge>& edges, int dimensions);
+/// @param start  0: the classical scaling as it is; others: displaced at random by a part of its extent
+[[nodiscard]] PlacedByRanges place_by_ranges(int points, const std::vector<RangeEdge>& edges, int dimensions,
+                                             int start = 0);
 
 /// Rigid motion, with or without a reflection, that fits `from` to `to` best (Kabsch); one column a point.
 struct RigidFit {

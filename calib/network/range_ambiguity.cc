@@ -2,14 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calib/network/range_ambiguity.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "calib/network/select_observations.h"
 #include "calib/network/survey_row.h"
+#include "calib/problem/trilaterate.h"
 
 namespace octant::calib {
 namespace {
@@ -18,99 +16,81 @@ namespace {
 constexpr double kEqualFit = 4.0;
 /// Distance of two positions, in sigmas, below which they are the same.
 constexpr double kSamePosition = 4.0;
-constexpr int kResectionSteps = 20;
+/// Redundant ranges of a point from which they contradict every position without another one of them.
+constexpr std::size_t kMostSpare = 2;
 
-/// One point with the observations of its position; the other points keep their adjusted positions.
+/// One point with its ranges to others, which keep their adjusted positions.
 struct Resection {
-  Eigen::VectorXd given_m, given_weight;  ///< weights are 0 without an observed coordinate
-  Eigen::MatrixXd neighbours_m;           ///< one column a range
-  Eigen::VectorXd rise_m, range_m, sigma_m;
+  std::vector<RangeFrom> ranges, left_out;  ///< without the delays
+  std::vector<double> sigmas_m;
+  TrilaterationOptions options;
+  Eigen::Vector3d given_m = Eigen::Vector3d::Zero(),
+                  weight = Eigen::Vector3d::Zero();  ///< observed coordinates
 
-  /// Half the sum of squares at x. Adds to the normal equations where they are given.
-  double half_squares(const Eigen::VectorXd& x, Eigen::MatrixXd* normal, Eigen::VectorXd* gradient) const {
-    const Eigen::VectorXd off_m = given_m - x;
-    double sum = off_m.cwiseAbs2().dot(given_weight);
-    if (normal != nullptr) {
-      *normal = given_weight.asDiagonal();
-      *gradient = given_weight.cwiseProduct(off_m);
-    }
-    for (Eigen::Index i = 0; i < range_m.size(); ++i) {
-      const Eigen::VectorXd sight_m = x - neighbours_m.col(i);
-      const double length_m = std::hypot(sight_m.norm(), rise_m[i]);
-      const Eigen::VectorXd slope = sight_m / (std::max(length_m, 1e-9) * sigma_m[i]);
-      const double residual = (range_m[i] - length_m) / sigma_m[i];
-      sum += residual * residual;
-      if (normal == nullptr) continue;
-      *normal += slope * slope.transpose();
-      *gradient += residual * slope;
-    }
+  [[nodiscard]] double half_squares(const std::vector<RangeFrom>& from, const Eigen::Vector3d& p_m) const {
+    double sum = (p_m - given_m).cwiseAbs2().dot(weight);
+    for (std::size_t i = 0; i < from.size(); ++i)
+      sum += std::pow(((from[i].p_map_m - p_m).norm() - from[i].range_m) / sigmas_m[i], 2);
     return 0.5 * sum;
   }
 };
 
-/// Adjusted position from a start (Levenberg-Marquardt), with half the sum of squares there.
-std::pair<Eigen::VectorXd, double> resect(const Resection& at, Eigen::VectorXd x) {
-  Eigen::MatrixXd normal;
-  Eigen::VectorXd gradient;
-  double cost = at.half_squares(x, &normal, &gradient), damping = 1e-6;
-  for (int step = 0; step < kResectionSteps; ++step) {
-    const Eigen::MatrixXd damped =
-        normal + damping * normal.trace() * Eigen::MatrixXd::Identity(x.size(), x.size());
-    const Eigen::VectorXd next = x + damped.ldlt().solve(gradient);
-    if (const double there = at.half_squares(next, nullptr, nullptr); there < cost) {
-      x = next;
-      cost = at.half_squares(x, &normal, &gradient);
-      damping *= 0.1;
-    } else {
-      damping *= 10.0;
-    }
-  }
-  return {x, cost};
-}
-
 Resection resection_of(const SolvedNetwork& solved, int p, int dimensions) {
   Resection at;
-  at.given_m = at.given_weight = Eigen::VectorXd::Zero(dimensions);
-  std::vector<std::pair<int, std::size_t>> ranges;
-  for (std::size_t i = 0; i < solved.network.observations.size(); ++i) {
-    const SurveyObservation& o = solved.network.observations[i];
-    if (o.kind == SurveyKind::kSlopeDistance && (o.from == p || o.to == p))
-      ranges.emplace_back(o.from == p ? o.to : o.from, i);
-    const int axis = static_cast<int>(o.kind) - static_cast<int>(SurveyKind::kX);
-    if (o.from != p || axis < 0 || axis >= dimensions) continue;
-    at.given_m[axis] = o.value;
-    at.given_weight[axis] = std::pow(o.sigma, -2);
-  }
-  const auto n = static_cast<Eigen::Index>(ranges.size());
-  at.neighbours_m.resize(dimensions, n);
-  at.rise_m = at.range_m = at.sigma_m = Eigen::VectorXd::Zero(n);
+  const NetworkColumns columns = network_columns(solved.network);
+  const auto is_located = [&](int point) {
+    return solved.network.points[static_cast<std::size_t>(point)].role[0] != CoordinateRole::kAbsent;
+  };
   const Eigen::Vector3d& here = solved.solution.points_m[static_cast<std::size_t>(p)];
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const auto& [other, i] = ranges[static_cast<std::size_t>(k)];
-    const Eigen::Vector3d& there = solved.solution.points_m[static_cast<std::size_t>(other)];
-    at.neighbours_m.col(k) = there.head(dimensions);
-    if (dimensions == 2) at.rise_m[k] = there.z() - here.z();
-    // The adjusted range less the residual is the observed one without the delays.
-    at.range_m[k] = (there - here).norm() - solved.solution.observations[i].residual;
-    at.sigma_m[k] = solved.network.observations[i].sigma;
+  // The computed range and the misclosure are the observed range without the delays.
+  const auto range_of = [&](const SurveyObservation& o) -> RangeFrom {
+    const Eigen::Vector3d& there =
+        solved.solution.points_m[static_cast<std::size_t>(o.from == p ? o.to : o.from)];
+    return {there, (there - here).norm() +
+                       survey_row(solved.network, columns, o, solved.solution.unknowns).misclosure};
+  };
+  for (const SurveyObservation& o : solved.network.observations) {
+    const int axis = static_cast<int>(o.kind) - static_cast<int>(SurveyKind::kX);
+    if (o.kind == SurveyKind::kSlopeDistance && (o.from == p || o.to == p)) {
+      at.ranges.push_back(range_of(o));
+      at.sigmas_m.push_back(o.sigma);
+    } else if (o.from == p && axis >= 0 && axis < dimensions) {
+      at.given_m[axis] = o.value;
+      at.weight[axis] = std::pow(o.sigma, -2);
+    }
   }
+  for (const SurveyObservation& o : solved.outlying)
+    if ((o.from == p || o.to == p) && is_located(o.from) && is_located(o.to))
+      at.left_out.push_back(range_of(o));
+  at.options = {.held = {false, false, dimensions == 2}, .guess = here, .above = false};
+  if (!at.sigmas_m.empty()) at.options.scale_m = std::ranges::max(at.sigmas_m);
   return at;
 }
 
+/// Fits another position equally well: a mirror image, or the one without another range than those that were
+/// left out?
 bool is_ambiguous(const SolvedNetwork& solved, int p, int dimensions) {
   const Resection at = resection_of(solved, p, dimensions);
-  if (at.range_m.size() == 0) return false;
+  if (at.ranges.empty()) return false;
   const auto point = static_cast<std::size_t>(p);
-  const Eigen::VectorXd here = solved.solution.points_m[point].head(dimensions),
-                        middle = at.neighbours_m.rowwise().mean();
-  const Eigen::MatrixXd spread = at.neighbours_m.colwise() - middle;
-  const Eigen::VectorXd across =
-      Eigen::JacobiSVD<Eigen::MatrixXd>(spread, Eigen::ComputeFullU).matrixU().col(dimensions - 1);
-  const auto [image, cost] = resect(at, here - 2.0 * across.dot(here - middle) * across);
+  const Eigen::Vector3d& here = solved.solution.points_m[point];
   const double sigma_m =
       std::sqrt(solved.solution.point_covariances_m2[point].topLeftCorner(dimensions, dimensions).trace());
-  return (image - here).norm() > kSamePosition * sigma_m &&
-         cost - at.half_squares(here, nullptr, nullptr) < kEqualFit;
+  const double best = at.half_squares(at.ranges, here);
+  const auto is_equal = [&](const std::vector<RangeFrom>& ranges, const Eigen::Vector3d& other) {
+    return (other - here).norm() > kSamePosition * sigma_m &&
+           at.half_squares(ranges, other) - best < kEqualFit;
+  };
+  if (const auto image = mirror_image_of(here, at.ranges, at.options); image && is_equal(at.ranges, *image))
+    return true;
+  if (at.ranges.size() > static_cast<std::size_t>(dimensions) + kMostSpare) return false;
+  for (const RangeFrom& left_out : at.left_out)
+    for (std::size_t k = 0; k < at.ranges.size(); ++k) {
+      std::vector<RangeFrom> exchanged = at.ranges;
+      exchanged[k] = left_out;
+      if (is_equal(exchanged, trilaterate(exchanged, at.options).p_map_m)) return true;
+    }
+  return false;
 }
 
 }  // namespace

@@ -22,6 +22,9 @@ constexpr int kMostRejections = 30;
 constexpr double kShareOfWorst = 0.6;
 /// Limit of |w|, relative to its robust scale, beyond which a range is left out.
 constexpr double kCriticalRange = 4.0;
+/// Starts, and the mean square of the ranges from which another start is tried.
+constexpr int kMostStarts = 8;
+constexpr double kPoorFit = 4.0;
 /// Limit of the deviation from approximate positions, in robust sigmas and in sigmas of the range.
 constexpr double kGross = 6.0;
 /// Redundancy below which a range cannot be tested.
@@ -280,19 +283,8 @@ void scale_ranges(SolvedNetwork& solved) {
   }
 }
 
-}  // namespace
-
-Result<SolvedRangeNetwork> solve_range_network(const Site& site, const BeaconRanges& ranges) {
-  SolvedRangeNetwork result;
-  Network network = network_of(site, ranges);
-  const bool plane = heights_are_given(site);
-  if (ranges.pairs.empty())
-    return fail({.file = site.path,
-                 .found = "no range between beacons",
-                 .expected = "beacon_tof.csv with rows in a run folder"});
-  PlacedByRanges placed =
-      place_by_ranges(static_cast<int>(site.beacons.size()), edges_of(network, plane), plane ? 2 : 3);
-  if (placed.positions_m.cols() > 0) result.mirror_is_equal = !move_to_given(network, placed);
+/// Coordinates of a start, where they are not fixed.
+void set_start(const PlacedByRanges& placed, Network& network) {
   for (std::size_t p = 0; p < network.points.size(); ++p) {
     NetworkPoint& point = network.points[p];
     for (int i = 0; i < static_cast<int>(placed.positions_m.rows()); ++i)
@@ -303,13 +295,50 @@ Result<SolvedRangeNetwork> solve_range_network(const Site& site, const BeaconRan
       }
     if (placed.column[p] < 0) point.known.fill(false);
   }
+}
+
+/// Adjustment from one start of place_by_ranges().
+Result<SolvedRangeNetwork> solve_from(Network network, int dimensions, int start) {
+  SolvedRangeNetwork result;
+  PlacedByRanges placed = place_by_ranges(static_cast<int>(network.points.size()),
+                                          edges_of(network, dimensions == 2), dimensions, start);
+  if (placed.positions_m.cols() > 0) result.mirror_is_equal = !move_to_given(network, placed);
+  set_start(placed, network);
   auto solved = solve_without_gross(network);
   if (!solved) return fail(solved.error());
   result.solved = std::move(*solved);
   reject_ranges(result.solved);
-  scale_ranges(result.solved);
-  result.ambiguous = leave_out_ambiguous(result.solved, plane ? 2 : 3);
   return result;
+}
+
+/// Sum of squares of an adjustment, in which each range that is left out counts as one at the limit.
+double squares_of(const SolvedNetwork& s) {
+  if (s.solution.status != NetworkStatus::kConverged) return INFINITY;
+  return s.solution.variance_factor * std::max(0, s.solution.redundancy) +
+         kCriticalRange * kCriticalRange * static_cast<double>(s.outlying.size()) +
+         1e6 * static_cast<double>(s.undetermined.size());
+}
+
+}  // namespace
+
+Result<SolvedRangeNetwork> solve_range_network(const Site& site, const BeaconRanges& ranges) {
+  const Network network = network_of(site, ranges);
+  const int dimensions = heights_are_given(site) ? 2 : 3;
+  if (ranges.pairs.empty())
+    return fail({.file = site.path,
+                 .found = "no range between beacons",
+                 .expected = "beacon_tof.csv with rows in a run folder"});
+  auto best = solve_from(network, dimensions, 0);
+  if (!best) return best;
+  // Another start is better if fewer ranges contradict it.
+  const double expected = kPoorFit * static_cast<double>(ranges.pairs.size());
+  for (int start = 1; start < kMostStarts && squares_of(best->solved) > expected; ++start)
+    if (auto other = solve_from(network, dimensions, start);
+        other && squares_of(other->solved) < squares_of(best->solved))
+      best = std::move(other);
+  scale_ranges(best->solved);
+  best->ambiguous = leave_out_ambiguous(best->solved, dimensions);
+  return best;
 }
 
 }  // namespace octant::calib

@@ -29,7 +29,8 @@ struct SolvedRangeNetwork {
 ///   4. ranges whose w-test fails are left out, the worst first (echoes), as long as each beacon keeps enough
 ///   of them,
 ///   5. the sigma of the ranges is scaled to their residuals,
-///   6. beacons whose mirror image fits equally well are left out.
+///   6. beacons whose ranges fit another position equally well are left out.
+/// Where the start of step 1 fails, others are tried.
 /// The plane is enough to place points whose heights are all given.
 /// Errors: kBadInput without enough ranges.
 [[nodiscard]] Result<SolvedRangeNetwork> solve_range_network(const Site& site, const BeaconRanges& ranges);

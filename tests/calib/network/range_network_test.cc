@@ -194,9 +194,7 @@ TEST(RangeNetwork, RejectsNoGoodRangeOfASmallNetwork) {
       const auto result =
           calib::solve_range_network(w.site, all_ranges(w, 100 + seed, 0.03, [](int, int) { return 0.0; }));
       ASSERT_TRUE(result);
-      if (plane) {
-        EXPECT_EQ(result->solved.solution.status, calib::NetworkStatus::kConverged) << seed;
-      }
+      EXPECT_EQ(result->solved.solution.status, calib::NetworkStatus::kConverged) << plane << ' ' << seed;
       EXPECT_TRUE(result->solved.outlying.empty()) << plane << ' ' << seed;
       EXPECT_TRUE(result->solved.undetermined.empty()) << plane << ' ' << seed;
     }
@@ -233,6 +231,22 @@ TEST(RangeNetwork, KeepsABeaconThatARejectionWouldLeaveUndetermined) {
   const bool found = (result->solved.solution.points_m[3] - w.truth[3]).norm() < 0.1;
   EXPECT_TRUE(found || result->ambiguous == std::vector<std::string>{"3"} ||
               !result->solved.undetermined.empty());
+}
+
+/// Of three ranges that contradict each other, each one may be the echo.
+TEST(RangeNetwork, LeavesOutABeaconIfItIsUnknownWhichRangeIsWrong) {
+  for (const int neighbour : {0, 1, 2}) {
+    const Warehouse w = cloud(11, 8, true, 0.02);
+    const auto result = calib::solve_range_network(w.site, all_ranges(w, 12, 0.02, [neighbour](int a, int b) {
+                                                     if (b != 7) return 0.0;
+                                                     return a > 2 ? std::nan("") : a == neighbour ? 2.0 : 0.0;
+                                                   }));
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->ambiguous, std::vector<std::string>{"7"}) << neighbour;
+    ASSERT_EQ(result->solved.solution.status, calib::NetworkStatus::kConverged);
+    for (std::size_t p = 0; p < 7; ++p)
+      EXPECT_LT((result->solved.solution.points_m[p] - w.truth[p]).norm(), 0.1) << p;
+  }
 }
 
 }  // namespace range_network_test
