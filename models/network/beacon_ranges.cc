@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "models/network/unweighted_ranges.h"
 #include "models/physics/medium.h"
 
 namespace octant {
@@ -67,8 +68,8 @@ void BeaconRanges::set_delay_sigma(double sigma_s) {
   root = covariance(sigma_s).llt().matrixL().solve(Eigen::MatrixXd::Identity(n, n));
 }
 
-BeaconRanges beacon_ranges(const Site& site, const std::vector<BeaconFlight>& flights,
-                           const std::vector<MeasurementLog>& runs) {
+BeaconRanges unweighted_ranges(const Site& site, const std::vector<BeaconFlight>& flights,
+                               const std::vector<MeasurementLog>& runs) {
   std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> times_s;
   std::map<std::pair<std::size_t, std::size_t>, std::size_t> first_run;
   const double known_s = site.timing.delay_s + site.timing.turnaround_s;
@@ -94,7 +95,14 @@ BeaconRanges beacon_ranges(const Site& site, const std::vector<BeaconFlight>& fl
     combine_times(times, site.noise.tof_sigma_s, range);
     range.sigma_s = std::hypot(range.sigma_s, bias_s);
   }
-  ranges.set_delay_sigma(bias_s);
+  ranges.delay_sigma_s = bias_s;
+  return ranges;
+}
+
+BeaconRanges beacon_ranges(const Site& site, const std::vector<BeaconFlight>& flights,
+                           const std::vector<MeasurementLog>& runs) {
+  BeaconRanges ranges = unweighted_ranges(site, flights, runs);
+  ranges.set_delay_sigma(ranges.delay_sigma_s);
   return ranges;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
 #include <filesystem>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -8,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "apps/octant/commands.h"
+#include "apps/octant/interrupt.h"
 #include "apps/octant/outputs.h"
 #include "apps/octant/steps/steps.h"
 #include "apps/octant/text/network_text.h"
@@ -16,6 +18,7 @@
 #include "io/text/atomic_file.h"
 #include "io/text/bounds.h"
 #include "io/tof/run_parts.h"
+#include "models/network/unweighted_ranges.h"
 
 namespace octant::app {
 namespace {
@@ -65,15 +68,16 @@ AdjustedNetwork solved_ranges(const AdjustArgs& args, Session& session) {
   session.warn(site.warnings);
   const std::vector<BeaconFlight> flights = read_beacon_flights(args.runs, names_of(site), session).flights;
   calib::SolvedRangeNetwork ranges =
-      need(calib::solve_range_network(site, beacon_ranges(site, flights, temperatures_of(args.runs))));
+      need(calib::solve_range_network(site, unweighted_ranges(site, flights, temperatures_of(args.runs))));
   if (ranges.mirror_is_equal)
     session.warn(
         "The mirror image of the result agrees equally well with the ranges: give approximate positions "
         "of at least three beacons that are not in line (four in space).");
   if (!ranges.ambiguous.empty())
     session.warn(
-        fmt::format("Beacons left out because their mirror image behind their neighbours agrees equally well "
-                    "with the ranges: {}. Give their approximate positions with sigmas, or add ranges.",
+        fmt::format("Beacons left out because another position agrees equally well with the ranges (their "
+                    "mirror image behind their neighbours, or another range is wrong than the one left out): "
+                    "{}. Give their approximate positions with sigmas, or add ranges.",
                     fmt::join(ranges.ambiguous, ", ")));
   AdjustedNetwork adjusted{{}, std::move(ranges.solved)};
   adjusted.file.description = site.name;
@@ -103,8 +107,10 @@ int adjust(const AdjustArgs& args, Session& session) {
   std::vector<std::string> inputs = args.runs;
   inputs.push_back(args.network);
   check_outputs(inputs, {{"-o", args.output}}, session);
+  std::optional<ExitAtOnce> nothing_written_yet(std::in_place);
   const AdjustedNetwork adjusted =
       args.runs.empty() ? solved_network(args.network, session) : solved_ranges(args, session);
+  nothing_written_yet.reset();
   const calib::SolvedNetwork& solved = adjusted.solved;
   session.warn(left_out_in_words(adjusted));
   if (solved.solution.status == calib::NetworkStatus::kUndetermined)
