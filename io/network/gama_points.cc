@@ -41,6 +41,7 @@ void GamaObservations::read_sigmas(const pugi::xml_node& node) {
 void GamaObservations::read_point(const pugi::xml_node& node) {
   constexpr std::array kNames = {"x", "y", "z"};
   NetworkPoint& p = file_.network.points[static_cast<std::size_t>(point(node, XmlLog::text(node, "id")))];
+  const NetworkPoint before = p;
   for (std::size_t i = 0; i < 3; ++i)
     if (const auto value = log_.number(node, kNames[i])) {
       p.p_map_m[static_cast<int>(i)] = *value;
@@ -57,6 +58,14 @@ void GamaObservations::read_point(const pugi::xml_node& node) {
                                                    ? CoordinateRole::kDatum
                                                    : CoordinateRole::kFree;
     }
+  // Two elements of a point may complement each other, but not differ.
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto axis = static_cast<int>(i);
+    if ((before.known[i] && p.p_map_m[axis] != before.p_map_m[axis]) ||
+        (before.role[i] != CoordinateRole::kAbsent && p.role[i] != before.role[i]))
+      return log_.fail(node, fmt::format("another {} of point {}", kNames[i], in_quotes(p.id)),
+                       "one <point> for each id");
+  }
 }
 
 }  // namespace octant::io

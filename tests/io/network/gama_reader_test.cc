@@ -98,6 +98,8 @@ TEST_F(GamaReader, OpensNoDocumentTypeAndReadsOldEncodings) {
 TEST_F(GamaReader, NamesTheLineOfAnError) {
   expect_error(read_observations("\n<obs from='A'>\n<distance to='B' val='x' stdev='1'/></obs>"), 3, "'x'");
   expect_error(read_observations("\n<obs from='A'><slope to='B' val='1'/></obs>"), 2, "<slope>");
+  expect_error(read_observations("\n<point id='A' x='0.5'/>"), 2, "another x of point 'A'");
+  expect_error(read_observations("\n<point id='B' adj='x'/>"), 2, "another x of point 'B'");
   expect_error(read_observations("\n<vectors><vec from='A' to='B' dx='1' dy='1' dz='1'/></vectors>"), 2,
                "without standard deviation");
 }
