@@ -38,9 +38,11 @@ bool NameLookup::beacon(CsvReader& csv, int column, BeaconId& id) const {
           (hint.empty()          ? ""
            : hint.ends_with('?') ? " Or "
                                  : "; or ") +
-          fmt::format("add it to the site's beacons; octant convert {} --ignore {} -o RUN leaves a "
-                      "neighbour's out",
-                      csv.file(), in_quotes(name)));
+          (csv.file().ends_with("beacon_tof.csv")
+               ? "add it to the site's beacons, or delete its rows"
+               : fmt::format("add it to the site's beacons; octant convert {} --ignore {} -o RUN leaves a "
+                             "neighbour's out",
+                             csv.file(), in_quotes(name))));
 }
 
 /// Other names in the column that are missing in the site, so that all can be corrected at once.

@@ -37,6 +37,8 @@ TEST(RunCsv, RangesBetweenBeacons) {
   const std::string header = "time_s,beacon_from,beacon_to,tof_s\n";
   folder.write("beacon_tof.csv", header + "1,B0,B2,2e-8\n");
   test::expect_error(read_beacon_flights(folder.path(), names, 0), 2, "B2", "beacon_tof.csv");
+  EXPECT_THAT(read_beacon_flights(folder.path(), names, 0).error().message(),
+              testing::Not(testing::HasSubstr("octant convert")));  // which does not read this table
   folder.write("beacon_tof.csv", header + "1,B0,B0,2e-8\n");
   test::expect_error(read_beacon_flights(folder.path(), names, 0), 2, "ranges to itself", "beacon_tof.csv");
 }
