@@ -63,7 +63,7 @@ Solution solve_with_ranges(Problem& problem, const SolveOptions& options) {
 /// If measured poses have a constant lag and the solution has no contradiction, adjusts again with corrected
 /// times. A warning reports the lag.
 /// @param stated  the site as the caller stated it
-Result<void> correct_lags(Site stated, const SolveOptions& options, Calibration& calibration) {
+Result<void> correct_lags(Site stated, const CalibrationOptions& options, Calibration& calibration) {
   std::vector<CommonError> lags = calibration.solution.common_errors;
   std::erase_if(lags, [](const CommonError& e) { return e.kind != CommonError::Kind::kLag; });
   if (lags.empty() || !calibration.solution.contradictions.empty()) return {};
@@ -74,11 +74,11 @@ Result<void> correct_lags(Site stated, const SolveOptions& options, Calibration&
     words.push_back(octant::in_words(found) + "; they are corrected for this calibration; " + found.remedy);
     for (TimedPose& pose : runs[lag.run].poses) pose.time_s -= lag.size;
   }
-  auto problem = make_problem(std::move(stated), std::move(runs), options.threads);
+  auto problem = make_problem(std::move(stated), std::move(runs), options.solve.threads);
   if (!problem) return fail(problem.error());
-  problem->beacon_ranges = std::move(calibration.problem.beacon_ranges);
+  problem->beacon_ranges = beacon_ranges(problem->site, options.beacon_flights, problem->runs);
   calibration.problem = std::move(*problem);
-  calibration.solution = solve_with_ranges(calibration.problem, options);
+  calibration.solution = solve_with_ranges(calibration.problem, options.solve);
   auto& warnings = calibration.solution.warnings;
   warnings.insert(warnings.end(), words.begin(), words.end());
   return {};
@@ -110,7 +110,7 @@ Result<Calibration> calibrate(Site site, std::vector<MeasurementLog> runs,
   problem->beacon_ranges = beacon_ranges(problem->site, options.beacon_flights, problem->runs);
   calibration.problem = std::move(*problem);
   calibration.solution = solve_with_ranges(calibration.problem, options.solve);
-  if (auto ok = correct_lags(std::move(site), options.solve, calibration); !ok) return fail(ok.error());
+  if (auto ok = correct_lags(std::move(site), options, calibration); !ok) return fail(ok.error());
   std::vector<const MeasurementLog*> logs;
   for (const MeasurementLog& run : calibration.problem.runs) logs.push_back(&run);
   return finish(std::move(calibration), logs, options);
