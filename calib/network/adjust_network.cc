@@ -21,8 +21,10 @@ using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 /// Steps below this are within the linear range of any survey, and their change of the sum of squares may be
 /// rounding.
 constexpr double kSmallStep_m = 1e-3;
-/// Damping of steps that are too long for the linearisation, relative to the diagonal of the normal matrix.
-constexpr double kFirstDamping = 1e-6, kMostDamping = 1e3;
+/// Damping of steps that are too long for the linearisation.
+constexpr double kLeastDamping = 1e-6, kMostDamping = 1e3;
+/// Decrease of the sum of squares by a damped step that means convergence.
+constexpr double kNoGain = 1e-6;
 
 /// Matrix W with W^T W equal to the weight matrix, for a unit variance of unit weight.
 SparseRows whitening(const Network& network, double sigma_unit) {
@@ -130,11 +132,12 @@ void report(const Network& network, const NetworkColumns& columns, const Network
   }
 }
 
-/// Step of Levenberg and Marquardt.
+/// Step of Levenberg. The damping is relative to the mean of the diagonal, since elements of it vanish where
+/// ranges cannot be met exactly and a point lies in the plane of its neighbours.
 Eigen::VectorXd damped_step(const Linearised& at, double damping) {
   Eigen::SparseMatrix<double> normal = at.jacobian.transpose() * at.jacobian;
-  for (Eigen::Index c = 0; c < normal.cols(); ++c)
-    normal.coeffRef(c, c) += damping * std::max(normal.coeff(c, c), std::numeric_limits<double>::min());
+  const double mean = normal.diagonal().mean();
+  for (Eigen::Index c = 0; c < normal.cols(); ++c) normal.coeffRef(c, c) += damping * mean;
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(normal);
   return factor.solve(at.jacobian.transpose() * at.whitened);
 }
@@ -158,20 +161,27 @@ NetworkSolution adjust_network(const Network& network, const NetworkOptions& opt
       return solution;
     }
     ++solution.iterations;
+    bool is_damped = false;
     Eigen::VectorXd step = normals.solve(at.jacobian.transpose() * at.whitened, x - reference);
-    // A large step that increases the sum of squares is too long for the linearisation (Levenberg,
-    // Marquardt).
-    for (double damping = kFirstDamping;
-         damping < kMostDamping && step.cwiseAbs().maxCoeff() > kSmallStep_m &&
-         linearise(network, columns, w, x + step).whitened.norm() > at.whitened.norm();
-         damping *= 10.0)
+    // A large step that increases the sum of squares is too long for the linearisation.
+    const double squares = at.whitened.squaredNorm();
+    double gain = std::numeric_limits<double>::infinity();
+    for (double damping = kLeastDamping;
+         damping < kMostDamping && (is_damped || step.cwiseAbs().maxCoeff() > kSmallStep_m);
+         damping *= 10.0) {
+      gain = squares - linearise(network, columns, w, x + step).whitened.squaredNorm();
+      if (gain >= 0.0) break;
       step = damped_step(at, damping);
+      is_damped = true;
+    }
     x += step;
     if (options.datum_follows) reference = x;
     const double size = step.head(columns.first_set).cwiseAbs().maxCoeff();
     // Steps that shrink no more are rounding errors: 1e-10 m already in coordinates of a thousand kilometres.
     const bool is_rounding = size < 1e3 * options.tolerance_m && size > 0.5 * previous;
-    if (size < options.tolerance_m || is_rounding) solution.status = NetworkStatus::kConverged;
+    const bool is_stationary = is_damped && gain < kNoGain * options.sigma_unit * options.sigma_unit;
+    if (size < options.tolerance_m || is_rounding || is_stationary)
+      solution.status = NetworkStatus::kConverged;
     previous = size;
   }
 }

@@ -23,7 +23,7 @@ constexpr double kShareOfWorst = 0.6;
 /// Limit of |w|, relative to its robust scale, beyond which a range is left out.
 constexpr double kCriticalRange = 4.0;
 /// Starts, and the mean square of the ranges from which another start is tried.
-constexpr int kMostStarts = 8;
+constexpr int kMostPlacements = 8;
 constexpr double kPoorFit = 4.0;
 /// Limit of the deviation from approximate positions, in robust sigmas and in sigmas of the range.
 constexpr double kGross = 6.0;
@@ -34,6 +34,10 @@ constexpr double kMedianDeviation = 0.6745;
 /// Rounds of the variance component, and the redundancy from which it is estimated.
 constexpr int kScaleRounds = 3;
 constexpr double kLeastRedundancy = 5.0;
+
+/// Damped steps to a point in the plane of its neighbours converge slowly.
+constexpr NetworkOptions kAdjustment{.max_iterations = 300},
+    kWithoutCovariance{.max_iterations = 300, .dense_limit = 0};
 
 /// Points, ranges, observed coordinates and delays; `constants` are the delays as distances.
 Network network_of(const Site& site, const BeaconRanges& ranges) {
@@ -208,17 +212,17 @@ void restore_ranges(SolvedNetwork& solved) {
   });
   if (back.empty()) return;
   solved.network.observations.insert(solved.network.observations.end(), back.begin(), back.end());
-  solved.solution = adjust_network(solved.network, {.dense_limit = 0});
+  solved.solution = adjust_network(solved.network, kWithoutCovariance);
 }
 
 /// Adjusts a network without gross ranges; with all of them where points would be lost without them.
 Result<SolvedNetwork> solve_without_gross(const Network& network) {
   Network reduced = network;
   std::vector<SurveyObservation> gross = leave_out_gross(reduced);
-  auto solved = solve_network(std::move(reduced));
+  auto solved = solve_network(std::move(reduced), {.adjustment = kAdjustment});
   if (gross.empty() || !solved) return solved;
   if (solved->solution.status != NetworkStatus::kConverged || !solved->undetermined.empty())
-    return solve_network(network);
+    return solve_network(network, {.adjustment = kAdjustment});
   solved->outlying = std::move(gross);
   restore_ranges(*solved);
   return solved;
@@ -256,7 +260,7 @@ void reject_ranges(SolvedNetwork& solved) {
       const auto removed = remove_others(next.network, keep_without(next.network, suspects));
       if (removed.empty()) return;
       next.outlying.insert(next.outlying.end(), removed.begin(), removed.end());
-      next.solution = adjust_network(next.network, {.dense_limit = 0});
+      next.solution = adjust_network(next.network, kWithoutCovariance);
       rejected = next.solution.status == NetworkStatus::kConverged;
       if (rejected) solved = std::move(next);
       suspects = suspects.size() > 1 ? Suspects{*std::ranges::max_element(suspects)} : Suspects{};
@@ -279,12 +283,12 @@ void scale_ranges(SolvedNetwork& solved) {
     const double factor = std::sqrt(squares / redundancy);
     for (SurveyObservation& o : solved.network.observations)
       if (is_range(o)) o.sigma = std::max(o.sigma * factor, 1e-9);
-    solved.solution = adjust_network(solved.network);
+    solved.solution = adjust_network(solved.network, kAdjustment);
   }
 }
 
 /// Coordinates of a start, where they are not fixed.
-void set_start(const PlacedByRanges& placed, Network& network) {
+void use_placed(const PlacedByRanges& placed, Network& network) {
   for (std::size_t p = 0; p < network.points.size(); ++p) {
     NetworkPoint& point = network.points[p];
     for (int i = 0; i < static_cast<int>(placed.positions_m.rows()); ++i)
@@ -303,7 +307,7 @@ Result<SolvedRangeNetwork> solve_from(Network network, int dimensions, int start
   PlacedByRanges placed = place_by_ranges(static_cast<int>(network.points.size()),
                                           edges_of(network, dimensions == 2), dimensions, start);
   if (placed.positions_m.cols() > 0) result.mirror_is_equal = !move_to_given(network, placed);
-  set_start(placed, network);
+  use_placed(placed, network);
   auto solved = solve_without_gross(network);
   if (!solved) return fail(solved.error());
   result.solved = std::move(*solved);
@@ -332,7 +336,7 @@ Result<SolvedRangeNetwork> solve_range_network(const Site& site, const BeaconRan
   if (!best) return best;
   // Another start is better if fewer ranges contradict it.
   const double expected = kPoorFit * static_cast<double>(ranges.pairs.size());
-  for (int start = 1; start < kMostStarts && squares_of(best->solved) > expected; ++start)
+  for (int start = 1; start < kMostPlacements && squares_of(best->solved) > expected; ++start)
     if (auto other = solve_from(network, dimensions, start);
         other && squares_of(other->solved) < squares_of(best->solved))
       best = std::move(other);

@@ -9,7 +9,6 @@
 #include <optional>
 #include <utility>
 
-#include "models/network/unweighted_ranges.h"
 #include "models/physics/medium.h"
 
 namespace octant {
@@ -68,6 +67,7 @@ void BeaconRanges::set_delay_sigma(double sigma_s) {
   root = covariance(sigma_s).llt().matrixL().solve(Eigen::MatrixXd::Identity(n, n));
 }
 
+/// Declared in unweighted_ranges.h.
 BeaconRanges unweighted_ranges(const Site& site, const std::vector<BeaconFlight>& flights,
                                const std::vector<MeasurementLog>& runs) {
   std::map<std::pair<std::size_t, std::size_t>, std::vector<double>> times_s;
