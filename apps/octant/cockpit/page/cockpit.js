@@ -90,6 +90,7 @@ function showFindings() {
 function beaconState(b, c) {
   if (!b.arrivals) return ["not received", "bad"];
   if (b.last_s > 10 && !state.source.is_over) return [`last received ${Math.round(b.last_s)} s ago`, "wait"];
+  if (state.mode === "monitoring") return ["received", "good"];
   if (c?.status === "control_point") return ["control point", "good"];
   if (!c || c.status === "undetermined") return [c ? "not determined" : "received", "wait"];
   const limit = state.tolerance.beacon_m;

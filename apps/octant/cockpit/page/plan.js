@@ -76,7 +76,7 @@ export class Plan {
     const found = new Map((this.state?.calibration?.beacons ?? []).map(b => [b.id, b]));
     return (this.state?.beacons ?? []).map(b => {
       const c = found.get(b.id), p = this.moved.get(b.id) ?? c?.position_m ?? b.stated_m;
-      return p && {id: b.id, x: p[0], y: p[1], covariance: c?.covariance_xy_m2, radius: c?.radius95_m, status: c?.status ?? "stated"};
+      return p && {id: b.id, x: p[0], y: p[1], covariance: c?.covariance_xy_m2, radius: c?.radius95_m, status: c?.status ?? (this.state.mode === "monitoring" ? "calibrated" : "stated")};
     }).filter(Boolean);
   }
 
