@@ -99,10 +99,28 @@ Calibration finish(Calibration calibration, std::span<const MeasurementLog* cons
   return calibration;
 }
 
+/// Calibrates devices with clocks of their own.
+Result<Calibration> calibrate_free(Site site, std::vector<MeasurementLog> runs,
+                                   const CalibrationOptions& options) {
+  auto solved = calibrate_clocks(std::move(site), std::move(runs), *options.clocks, options.solve);
+  if (!solved) return fail(solved.error());
+  Calibration calibration;
+  calibration.problem = std::move(solved->problem);
+  calibration.solution = std::move(solved->solution);
+  calibration.clocks = std::move(solved->clocks);
+  calibration.provenance = options.provenance;
+  add(std::move(solved->findings), options, calibration);
+  if (calibration.solution.status == SolveStatus::kConverged)
+    calibration.deployment =
+        make_deployment(calibration.problem, calibration.solution, calibration.provenance);
+  return calibration;
+}
+
 }  // namespace
 
 Result<Calibration> calibrate(Site site, std::vector<MeasurementLog> runs,
                               const CalibrationOptions& options) {
+  if (options.clocks) return calibrate_free(std::move(site), std::move(runs), options);
   Calibration calibration;
   add(log_hints(site, runs), options, calibration);
   auto problem = make_problem(site, std::move(runs), options.solve.threads);

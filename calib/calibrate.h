@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "calib/clocks/calibrate_clocks.h"
 #include "calib/problem/finding.h"
 #include "calib/problem/problem.h"
 #include "calib/solution/solution.h"
@@ -36,10 +37,11 @@ struct Provenance {
 
 /// All results of a calibration, for any outcome.
 struct Calibration {
-  Problem problem;                ///< site and recordings; for a streamed log the sampled ones
-  Solution solution;              ///< estimate, errors, verdict, contradictions
-  std::vector<Finding> findings;  ///< findings in recordings and outcome, in addition to the contradictions
-  Provenance provenance;          ///< provenance in the options, with the digests of the recordings
+  Problem problem;                  ///< site and recordings; for a streamed log the sampled ones
+  Solution solution;                ///< estimate, errors, verdict, contradictions
+  std::vector<Finding> findings;    ///< findings in recordings and outcome, in addition to the contradictions
+  Provenance provenance;            ///< provenance in the options, with the digests of the recordings
+  std::vector<ClockResult> clocks;  ///< of devices with clocks of their own, run by run
   std::optional<Deployment> deployment;  ///< set if the status is kConverged
 };
 
@@ -48,6 +50,7 @@ struct CalibrationOptions {
   Provenance provenance;                                ///< without the recordings
   std::size_t memory_bytes = std::size_t{1500} << 20U;  ///< bound for a streamed log
   std::vector<BeaconFlight> beacon_flights = {};        ///< ranges between beacons; not for streamed logs
+  std::optional<ClockInput> clocks = {};                ///< set: calibrate_clocks() (clocks/)
   /// Called immediately for each finding, so that findings are available if an error ends the calibration.
   std::function<void(const Finding&)> on_finding;
 };

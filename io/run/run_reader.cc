@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "io/clocks/clock_files.h"
 #include "io/run/last_row.h"
 #include "io/run/run_clock.h"
 #include "io/run/run_files.h"
@@ -95,7 +96,10 @@ Result<void> RunReader::read_header() {
 
 Result<void> RunReader::open_tof() {
   const std::string file = path("tof.csv");
-  if (!is_there(file)) return {};
+  if (!is_there(file)) {
+    has_clocks_ = has_clock_log(log_.path);
+    return {};
+  }
   auto map = MappedFile::open(file);
   if (!map) return fail(map.error());
   tof_map_ = std::make_shared<const MappedFile>(std::move(*map));
@@ -151,7 +155,30 @@ Result<void> RunReader::read_again(TofPosition from, TofPosition to, std::vector
   }
 }
 
+/// Time differences as arrivals with an unknown offset in each epoch.
+Result<void> RunReader::read_differences() {
+  if (clock_ != Clock::kCycleOffset)
+    return fail({.file = is_there(path("tdoa.csv")) ? path("tdoa.csv") : path("toa.csv"),
+                 .found = "timing.clock of the site is synchronised, which has times of flight",
+                 .expected = "clock: free, or cycle_offset where the beacons share one clock"});
+  std::vector<InputDigest> inputs;
+  auto clocks = read_clock_log(log_.path, lookup_.names(), &inputs);
+  if (!clocks) return fail(clocks.error());
+  for (const InputDigest& input : inputs) log_.sha256[input.path] = input.sha256;
+  log_.warnings.insert(log_.warnings.end(), clocks->warnings.begin(), clocks->warnings.end());
+  std::size_t left_out = 0;
+  log_.arrivals = arrivals_of(clocks->differences, left_out);
+  log_.rows = clocks->differences.size();
+  log_.has_epochs = true;
+  arrivals_ = log_.arrivals.size();
+  if (log_.arrivals.empty()) return {};
+  first_vehicle_ = log_.arrivals.front().vehicle;
+  first_time_s_ = log_.arrivals.front().time_s;
+  return {};
+}
+
 Result<void> RunReader::read_arrivals() {
+  if (has_clocks_) return read_differences();
   if (tof_) {
     log_.arrivals.reserve(tof_->rows_estimate());
     prefer_large_pages(log_.arrivals.data(), log_.arrivals.capacity() * sizeof(Arrival));
@@ -251,7 +278,7 @@ Result<void> RunReader::finish() {
                                            : log_.bearings.front().vehicle;
   }
   restore_sorted_restart(log_, path("tof.csv"));
-  if (arrivals_ > 0 || !log_.bearings.empty() || !log_.scans.empty()) return {};
+  if (arrivals_ > 0 || has_clocks_ || !log_.bearings.empty() || !log_.scans.empty()) return {};
   if (!log_.rejected.empty()) {
     return fail({.file = path("tof.csv"),
                  .line = log_.rejected.front().line,
@@ -260,8 +287,9 @@ Result<void> RunReader::finish() {
                  .expected = "times of flight in seconds"});
   }
   return fail({.file = has_tof_ ? path("tof.csv") : log_.path,
-               .found = has_tof_ ? "no arrivals: there are no rows under the header"
-                                 : "the folder holds none of tof.csv, bearings.csv, scans.csv",
+               .found = has_tof_
+                            ? "no arrivals: there are no rows under the header"
+                            : "the folder holds none of tof.csv, tdoa.csv, toa.csv, bearings.csv, scans.csv",
                .expected = has_tof_ ? "at least one row here, in bearings.csv or in scans.csv"
                                     : "at least one of them",
                .advice = has_tof_ ? "" : advice_where_no_run_is(log_.path)});

@@ -62,6 +62,7 @@ class RunReader {
   Result<bool> append_arrivals(std::vector<Arrival>& all);
   Result<void> read_header();
   Result<void> open_tof();
+  Result<void> read_differences();
   Result<void> read_bearings();
   Result<void> read_scans();
   Result<void> read_odometry();
@@ -79,6 +80,7 @@ class RunReader {
   std::unique_ptr<TofReader> tof_;  // null: there is none, or it has been read
   TofPosition end_;                 // then, of the end
   bool has_tof_ = false;
+  bool has_clocks_ = false;  // tdoa.csv or toa.csv in place of tof.csv
   std::size_t arrivals_ = 0;
   VehicleId first_vehicle_;                                         // of the first arrival
   double first_time_s_ = std::numeric_limits<double>::quiet_NaN();  // of the first arrival

@@ -83,6 +83,7 @@ void read_beacons(YamlMap& root, Site& site, YamlLog& log) {
     }
     beacon.sigma_m = read_sigmas(map.block("sigma_m"), map.path("sigma_m"), log);
     read_own_delay(map, site.timing, beacon, log);
+    map.get("clock");  // clocks/clock_yaml.cc
   });
 }
 

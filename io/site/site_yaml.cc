@@ -115,8 +115,12 @@ void read_timing(const YamlNode& node, Site& site, YamlLog& log) {
   site.timing_given = map.present();
   if (!map.present()) return;
   Timing& timing = site.timing;
-  timing.clock = map.choice<Clock>(
-      "clock", {{"synchronised", Clock::kSynchronised}, {"cycle_offset", Clock::kCycleOffset}}, timing.clock);
+  timing.clock = map.choice<Clock>("clock",
+                                   {{"synchronised", Clock::kSynchronised},
+                                    {"cycle_offset", Clock::kCycleOffset},
+                                    {"free", Clock::kCycleOffset}},
+                                   timing.clock);
+  for (const char* of_clocks : {"oscillator", "allan_deviation"}) map.get(of_clocks);  // clocks/clock_yaml.cc
   timing.ranging = map.choice<Ranging>(
       "ranging", {{"one_way", Ranging::kOneWay}, {"two_way", Ranging::kTwoWay}}, timing.ranging);
   timing.turnaround_s = map.number("turnaround_s", 0.0, kNotNegative);

@@ -123,6 +123,14 @@ std::optional<Failure> failure_of(const Calibration& calibration) {
 
 Json calibration_json(const Calibration& calibration, const Session& session) {
   Json object = solution_json(calibration, session);
+  for (const calib::ClockResult& c : calibration.clocks)
+    object["clocks"].push_back({{"id", c.name},
+                                {"run", c.run + 1},
+                                {"time_s", c.time_s},
+                                {"offset_s", c.offset_s},
+                                {"offset_sigma_s", c.offset_sigma_s},
+                                {"rate", c.rate},
+                                {"rate_sigma", c.rate_sigma}});
   if (!calibration.deployment) return object;
   add_deployment_json(*calibration.deployment, object);
   for (std::size_t b = 0; b < object["beacons"].size(); ++b) {

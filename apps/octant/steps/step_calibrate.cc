@@ -14,6 +14,7 @@
 #include "apps/octant/stream_source.h"
 #include "apps/octant/text/layout.h"
 #include "calib/streamed.h"
+#include "io/clocks/clock_files.h"
 #include "io/site/site_yaml.h"
 #include "io/text/atomic_file.h"
 #include "io/text/bounds.h"
@@ -176,11 +177,34 @@ Calibration calibrate_runs(Site site, std::vector<MeasurementLog> runs, const st
   });
 }
 
+namespace {
+
+/// Calibrates recordings of devices with clocks of their own.
+Calibration calibrate_clock_files(Site site, const std::string& site_sha256,
+                                  const std::vector<std::string>& run_paths, const CalibrateOptions& how,
+                                  Session& session) {
+  calib::ClockInput clocks{{}, need(io::read_clock_model(site.path, site))};
+  for (const std::string& path : run_paths)
+    clocks.logs.push_back(need(io::read_clock_log(path, names_of(site))));
+  std::vector<MeasurementLog> runs = read_runs_at_once(run_paths, site, session);
+  calib::Provenance from = provenance(site.path, site_sha256, session);
+  for (const MeasurementLog& run : runs)
+    for (const auto& [path, sha256] : run.sha256) from.inputs.push_back({path, sha256});
+  return calibrated(std::move(from), how, session, [&](calib::CalibrationOptions options) {
+    options.clocks = std::move(clocks);
+    return calib::calibrate(std::move(site), std::move(runs), options);
+  });
+}
+
+}  // namespace
+
 Calibration calibrate_files(const std::string& site_path, const std::vector<std::string>& run_paths,
                             const CalibrateOptions& how, Session& session) {
   Site site = need(io::read_site(site_path));
   const std::string sha256 = io::sha256_hex(need(io::read_document(site_path)));
   session.warn(site.warnings);
+  if (std::ranges::any_of(run_paths, io::has_clock_log))
+    return calibrate_clock_files(std::move(site), sha256, run_paths, how, session);
   BeaconFlights between_beacons = read_beacon_flights(run_paths, names_of(site), session);
   if (const auto source = too_long(site, run_paths, how.memory_mb, session)) {
     if (!between_beacons.flights.empty())
