@@ -67,11 +67,14 @@ std::string fixes_text(const Localization& found) {
 
 /// Live localization needs a deployment only.
 int run_live(const LocalizeArgs& args, Session& session) {
-  if (!args.runs.empty() || !args.csv.empty() || (!args.output.empty() && args.output != "-") ||
-      session.options.json)
+  FollowArgs live = args.live;
+  const bool names_format = std::ranges::count(kLiveFormats, args.output) > 0;
+  if (names_format) live.format = args.output;
+  if (!args.runs.empty() || !args.csv.empty() || session.options.json ||
+      (!args.output.empty() && args.output != "-" && !names_format))
     fail_usage("--follow takes lines (--from) instead of runs, and its fixes go to standard output",
-               "leave RUN, -o, --csv and --json out");
-  return follow(args.live, args.deployment, args.trusted_key, args.how.method, session);
+               "leave RUN, -o (except for a format: json, nmea, ros, mavlink), --csv and --json out");
+  return follow(live, args.deployment, args.trusted_key, args.how.method, session);
 }
 
 int run(const LocalizeArgs& args, Session& session) {

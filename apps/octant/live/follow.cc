@@ -7,6 +7,7 @@
 #include <cmath>
 #include <csignal>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -22,6 +23,7 @@
 #include "apps/octant/steps/validity_words.h"
 #include "io/live/live_fixes.h"
 #include "io/live/live_rows.h"
+#include "io/live/mavlink.h"
 #include "io/run/run_folder.h"
 #include "models/live/follower.h"
 
@@ -30,6 +32,8 @@ namespace {
 
 constexpr int kQuiet_ms = 50;         ///< quiet time after which an open pose is complete
 constexpr int kQuietEpoch_ms = 2000;  ///< quiet time for an epoch, in which beacons send in turn
+
+constexpr double kNorth_deg = 90.0;  ///< direction of north in the map by default: y points north
 
 volatile std::sig_atomic_t hangups = 0;
 extern "C" void on_hangup(int) { hangups = hangups + 1; }
@@ -56,7 +60,12 @@ class FollowLoop {
         session_(session) {}
 
   void start() {
-    if (!args_.origin.empty() || args_.format == "nmea") read_origin();
+    const bool gps = args_.format == "mavlink" && args_.mavlink_message == "gps";
+    if (!args_.origin.empty() || args_.format == "nmea" || gps) read_origin();
+    mavlink_ = io::MavlinkWriter(gps                                 ? io::MavlinkMessage::kGps
+                                 : args_.mavlink_message == "vision" ? io::MavlinkMessage::kVision
+                                                                     : io::MavlinkMessage::kOdometry,
+                                 origin_, args_.north_deg.has_value());
     engine_ = need(load());
   }
 
@@ -116,9 +125,10 @@ class FollowLoop {
     auto engine = std::make_unique<Engine>(std::move(deployment), options_);
     Engine* e = engine.get();
     e->follower.on_fix = [this, e](const Fix& fix) {
-      out_ += args_.format == "nmea"  ? io::fix_as_nmea(fix, origin_)
-              : args_.format == "ros" ? io::fix_as_ros(fix, e->names)
-                                      : io::fix_as_json(fix, e->names);
+      out_ += args_.format == "nmea"      ? io::fix_as_nmea(fix, origin_)
+              : args_.format == "ros"     ? io::fix_as_ros(fix, e->names)
+              : args_.format == "mavlink" ? mavlink_.frame(fix)
+                                          : io::fix_as_json(fix, e->names);
     };
     e->follower.on_speed = [this](const RunSpeed& found) { report_speed(found); };
     e->follower.on_alarm = [this, e](const WatchAlarm& alarm) {
@@ -137,6 +147,7 @@ class FollowLoop {
     engine_->follower.flush();
     (*engine)->follower.carry_on(engine_->follower);
     engine_ = std::move(*engine);
+    mavlink_.lose_track();
     session_.note(fmt::format("{} was read anew", deployment_));
   }
 
@@ -206,9 +217,9 @@ class FollowLoop {
   }
 
   void read_origin() {
-    auto origin = io::origin_from_words(args_.origin, args_.north_deg);
+    auto origin = io::origin_from_words(args_.origin, args_.north_deg.value_or(kNorth_deg));
     if (!origin && args_.origin.empty())
-      origin.error().found = "NMEA positions need to know where the map is on the earth";
+      origin.error().found = "NMEA and GPS_INPUT need the position of the map on the earth";
     origin_ = need(origin);
   }
 
@@ -217,7 +228,8 @@ class FollowLoop {
   std::string deployment_, trusted_key_;
   FollowOptions options_;
   Session& session_;
-  io::EarthOrigin origin_;
+  io::EarthOrigin origin_{.north_rad = args_.north_deg.value_or(kNorth_deg) * std::numbers::pi / 180};
+  io::MavlinkWriter mavlink_{io::MavlinkMessage::kVision, origin_, false};
   std::unique_ptr<Engine> engine_;
   std::size_t next_drop_report_ = 1;  ///< number of dropped rows for the next report
   io::LineCutter cutter_;
@@ -242,12 +254,16 @@ void add_follow_options(CLI::App& command, FollowArgs& args) {
              "Where lines come from: - (standard input), /dev/ttyUSB0[:115200], tcp:PORT, udp:PORT (of "
              "this machine)");
   add_option(command, "--format", args.format, "F",
-             "Of the fixes: json, nmea (0183) or ros (nav_msgs/Odometry as JSON)")
-      ->check(CLI::IsMember({"json", "nmea", "ros"}));
+             "Of the fixes: json, nmea (0183), ros (nav_msgs/Odometry as JSON) or mavlink (2, binary); "
+             "also as --output F")
+      ->check(CLI::IsMember(kLiveFormats));
+  add_option(command, "--mavlink-message", args.mavlink_message, "M",
+             "mavlink: vision (VISION_POSITION_ESTIMATE), odometry (ODOMETRY) or gps (GPS_INPUT)")
+      ->check(CLI::IsMember({"vision", "odometry", "gps"}));
   add_option(command, "--origin", args.origin, "LAT,LON",
-             "nmea: where the map's origin is, LATITUDE,LONGITUDE[,ALTITUDE]");
+             "nmea, gps: where the map's origin is, LATITUDE,LONGITUDE[,ALTITUDE]");
   add_option(command, "--north", args.north_deg, "DEG",
-             "nmea: direction of north in the map, degrees from +x towards +y");
+             "nmea, mavlink: direction of north in the map, degrees from +x towards +y (default: 90)");
   add_option(command, "--lateness", args.lateness_s, "S",
              "Arrivals and odometry may come in any order within so many seconds")
       ->check(CLI::Range(0.0, 10.0));

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/App.hpp>
 
@@ -11,13 +13,16 @@
 
 namespace octant::app {
 
+inline const std::vector<std::string> kLiveFormats = {"json", "nmea", "ros", "mavlink"};
+
 /// Arguments of `octant localize --follow`.
 struct FollowArgs {
   bool follow = false;
-  std::string from = "-";       ///< ByteSource
-  std::string format = "json";  ///< json, nmea, ros
-  std::string origin;           ///< LAT,LON[,ALT] of the map's origin; nmea
-  double north_deg = 90.0;      ///< direction of north in the map, counter-clockwise from +x
+  std::string from = "-";                  ///< ByteSource
+  std::string format = "json";             ///< one of kLiveFormats
+  std::string mavlink_message = "vision";  ///< vision, odometry, gps
+  std::string origin;                      ///< LAT,LON[,ALT] of the map's origin; nmea, gps
+  std::optional<double> north_deg;         ///< direction of north in the map, counter-clockwise from +x
   bool watch = false;
   double lateness_s = 0.2;  ///< rows may arrive in any order within this time
   std::string odometry;     ///< run.yaml, or a folder with one, with the accuracy of the odometry
