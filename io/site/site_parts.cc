@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "io/site/site_id.h"
 #include "io/site/site_parts.h"
 
 namespace octant::io {
@@ -13,8 +14,7 @@ std::string UniqueIds::take(YamlMap& map, const std::string& otherwise) {
   std::string id = named ? map.required_text("id") : otherwise;
   if (log_.error) return id;
   const YamlNode given = map.get("id"), node = named ? given : map.node();
-  const bool odd = std::ranges::any_of(id, [](unsigned char c) { return c < 0x20 || c == 0x7F; });
-  if (id.empty() || id.size() > 200 || odd || id.front() == ' ' || id.back() == ' ') {
+  if (!is_site_id(id)) {
     log_.fail(node, fmt::format("{} is {}", map.path("id"), in_quotes(id)),
               "a name of up to 200 characters on one line");
   }

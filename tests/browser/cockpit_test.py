@@ -135,6 +135,11 @@ class Page(unittest.TestCase):
             process.stdin.write("".join(line + "\n" for line in hall.lines_at(*place)))
         process.stdin.flush()
         self.assertTrue(self.browser.wait("document.querySelectorAll('#beacons button').length === 6"))
+        self.browser.run("window.kept = document.querySelector(`[data-key='place B0']`), window.before = kept.closest('tr').textContent")
+        process.stdin.write("".join(line + "\n" for line in hall.lines_at(2, 6, 1)))
+        process.stdin.flush()
+        self.assertTrue(self.browser.wait("document.querySelector('#beacons tr').textContent !== window.before"))
+        self.assertTrue(self.browser.run("return window.kept.isConnected"), "a click is not lost when a state comes")
         for name, p in hall.beacons.items():
             self.browser.run("document.querySelector(`[data-key='place ${arguments[0]}']`).click()", name)
             self.browser.run("""const c = document.getElementById('plan'), box = c.getBoundingClientRect(), [x, y] = arguments;
@@ -161,6 +166,10 @@ class Page(unittest.TestCase):
                 ".map(e => parseFloat(getComputedStyle(e).fontSize)); return [Math.min(...sizes), document.documentElement.scrollWidth - innerWidth]")
             self.assertGreaterEqual(size, 16)
             self.assertLessEqual(overflow, 0, f"at {width}")
+            wide, order = self.browser.run("const top = id => document.getElementById(id).getBoundingClientRect().top; return [document.querySelector('th.wide').checkVisibility(), top('act') - top('plan-part')]")
+            self.assertEqual(wide, width >= 600)
+            if width < 900:
+                self.assertLess(order, 0, "commands above the plan")
             small = self.browser.run("return [...document.querySelectorAll('button')].filter(b => b.checkVisibility()).filter(b => b.getBoundingClientRect().height < 48).length")
             self.assertEqual(small, 0, "buttons for gloves")
             if PICTURES:

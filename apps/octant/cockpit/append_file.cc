@@ -15,6 +15,7 @@ namespace octant::app {
 namespace {
 
 constexpr std::size_t kPageBytes = 4096;
+constexpr std::size_t kMostPendingBytes = std::size_t{16} << 20;  ///< while the disk is full
 
 }  // namespace
 
@@ -23,7 +24,8 @@ AppendFile::~AppendFile() {
   if (fd_ >= 0) ::close(fd_);
 }
 
-void AppendFile::add(std::string_view row) {
+bool AppendFile::add(std::string_view row) {
+  if (pending_.size() + row.size() > kMostPendingBytes) return false;
   if (size_ == 0 && !header_.empty()) {
     pending_ += header_;
     size_ += header_.size();
@@ -35,6 +37,7 @@ void AppendFile::add(std::string_view row) {
   }
   pending_ += row;
   size_ += row.size();
+  return true;
 }
 
 Result<void> AppendFile::open() {

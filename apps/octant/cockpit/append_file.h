@@ -21,8 +21,8 @@ class AppendFile {
   AppendFile(const AppendFile&) = delete;
   AppendFile& operator=(const AppendFile&) = delete;
 
-  /// Adds a row with its newline; flush() writes it.
-  void add(std::string_view row);
+  /// Adds a row with its newline; flush() writes it. @return false if too many rows wait already
+  [[nodiscard]] bool add(std::string_view row);
   /// Writes the added rows. After an error the rest is written by the next call.
   [[nodiscard]] Result<void> flush();
   /// A copy of the descriptor, with which another thread waits for the disk; -1 if the file is not open. The

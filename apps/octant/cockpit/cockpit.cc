@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 Octant developers
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cctype>
 #include <csignal>
 #include <ctime>
 #include <filesystem>
@@ -67,6 +69,16 @@ std::string random_token() {
   return fmt::format("{:08x}{:08x}{:08x}{:08x}", random(), random(), random(), random());
 }
 
+/// A secret that cannot be guessed, of characters that an address and a cookie may have.
+void check_token(const std::string& token) {
+  constexpr std::size_t kFewest = 16;
+  const bool is_plain = std::ranges::all_of(
+      token, [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; });
+  if (token.empty() || token == "new" || (is_plain && token.size() >= kFewest)) return;
+  fail_usage("--token is too short or has other characters",
+             fmt::format("{} or more of A-Z, a-z, 0-9, _ and -, or new for a random one", kFewest));
+}
+
 template <class SiteOrDeployment>
 std::unique_ptr<RowSource> open_row_source(const CockpitArgs& args, const SiteOrDeployment& of,
                                            CommissioningInput& input, Session& session) {
@@ -91,7 +103,7 @@ int operate(const CockpitArgs& args, RowSource& source, Commissioning& commissio
   if (args.finish && !interrupted()) commissioning.finish(args.accept);
   const Json finished = commissioning.finished();
   const RecorderCounts counts = commissioning.counts();
-  Json result = {{"url", server.url()},
+  Json result = {{"url", server.urls().front()},
                  {"run", commissioning.run()},
                  {"arrivals", counts.arrivals},
                  {"odometry_rows", counts.odometry},
@@ -114,6 +126,7 @@ int run_cockpit(const CockpitArgs& args, Session& session) {
   if (!input.run.empty()) check_run_folder(input.run);
   check_no_overwriting({.inputs = {args.input}, .run_outputs = {input.run}});
   input.run_yaml = args.run_yaml.empty() ? "octant_run: 1\n" : need(io::read_document(args.run_yaml));
+  check_token(args.token);
   WebServer listening = need(WebServer::listen(args.listen));
   const std::string token = args.token == "new" ? random_token() : args.token;
   if (!listening.is_loopback() && token.empty())
@@ -133,8 +146,8 @@ int run_cockpit(const CockpitArgs& args, Session& session) {
       HttpGuard(token, server.port()),
       [&](const HttpRequest& request) { return commissioning.answer(request); },
       [&] { return commissioning.next_event(); });
-  session.result(
-      fmt::format("{:<17}{}{}\n", "cockpit", server.url(), token.empty() ? "" : "?token=" + token));
+  for (const std::string& url : server.urls())
+    session.result(fmt::format("{:<17}{}{}\n", "cockpit", url, token.empty() ? "" : "?token=" + token));
   return operate(args, *source, commissioning, server, session);
 }
 

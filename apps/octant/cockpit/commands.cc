@@ -138,8 +138,8 @@ Result<void> Commissioning::reread(Result<void> changed) {
 Result<void> Commissioning::set_point(const Json& command) {
   const ControlPoint point{number_of(command, "x_m", std::nan("")), number_of(command, "y_m", std::nan("")),
                            number_of(command, "sigma_m", kDefaultPointSigma_m), word_of(command, "name")};
-  if (!is_length(point.x_m) || !is_length(point.y_m) || !is_length(point.sigma_m) || point.sigma_m < 0)
-    return not_obeyed("x_m, y_m or sigma_m is missing or no length", "metres");
+  if (!is_length(point.x_m) || !is_length(point.y_m) || !is_length(point.sigma_m) || !(point.sigma_m > 0))
+    return not_obeyed("x_m, y_m or sigma_m is missing or no length", "metres, and a sigma_m above 0");
   const auto& stops = recorder_->stops();
   const auto epoch = command.find("epoch");
   if (epoch != command.end() && !epoch->is_number_integer())

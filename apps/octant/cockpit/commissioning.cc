@@ -31,6 +31,7 @@ Commissioning::Commissioning(CommissioningInput input, Session& session)
       session_(session),
       live_(input_.names(), input_.lateness_s, input_.deployment.has_value()),
       site_edit_(input_.path) {
+  is_known_.assign(names_.beacons.size(), true);
   if (!input_.run.empty()) {
     recorder_.emplace(input_.run, input_.names(),
                       input_.site         ? input_.site->motion
@@ -62,26 +63,53 @@ Commissioning::~Commissioning() {
   if (syncer_.joinable()) syncer_.join();
 }
 
+void Commissioning::learn(const NameTable& names) {
+  const std::size_t before = is_known_.size();
+  names_ = names;
+  if (recorder_) recorder_->set_names(names_);
+  const bool is_given =
+      (input_.site || input_.deployment) && known_receivers_ == std::numeric_limits<std::size_t>::max();
+  bool are_known = !input_.site && !input_.deployment;
+  if (input_.site && !is_given && before < names_.beacons.size()) {
+    const auto first = names_.beacons.begin() + static_cast<std::ptrdiff_t>(before);
+    const auto added = reread(site_edit_.append({first, names_.beacons.end()}));
+    are_known = added.has_value();
+    if (!added) session_.warn(added.error().message());
+  }
+  is_known_.resize(names_.beacons.size(), are_known);
+  if (!is_given) live_.set_names(names_);
+}
+
+/// Rows with names that the site file does not have are no part of the run.
+void Commissioning::record(const io::LiveRow& row) {
+  const auto* arrival = std::get_if<Arrival>(&row);
+  const bool is_over = !recorder_ || !finished_.is_null();
+  if (arrival != nullptr) {
+    const bool is_known = is_known_[arrival->beacon.index()];
+    if (!is_known) ++unknown_[names_.beacons[arrival->beacon.index()]];
+    if (!is_known || arrival->receiver.index() >= known_receivers_) {
+      if (!is_over) recorder_->add_unknown(*arrival, is_known ? "unknown_receiver" : "unknown_beacon");
+      return;
+    }
+  }
+  live_.add(row);
+  if (!is_over) keep(row);
+}
+
+void Commissioning::keep(const io::LiveRow& row) {
+  if (finish_order_) return held_rows_.push_back(row);
+  if (const auto* arrival = std::get_if<Arrival>(&row)) recorder_->add(*arrival);
+  if (const auto* step = std::get_if<OdometryStep>(&row)) recorder_->add(*step);
+  if (const auto* pose = std::get_if<OdometryPose>(&row)) recorder_->add(*pose);
+}
+
 RowSource::Event Commissioning::advance(RowSource& source) {
   std::vector<io::LiveRow> rows;
   const auto event = source.read(kReadTimeout_ms, [&rows](const io::LiveRow& row) { rows.push_back(row); });
   const auto now = Clock::now();
   const std::lock_guard lock(mutex_);
-  if (const NameTable* names = source.new_names(); names != nullptr && input_.site) {
-    rows.clear();  // the site was described while these rows were read, and they have names without an id
-  } else if (names != nullptr) {
-    names_ = *names;
-    live_.set_names(names_);
-    if (recorder_) recorder_->set_names(names_);
-  }
-  if (input_.site) source.freeze_names(names_);
-  for (const io::LiveRow& row : rows) {
-    live_.add(row);
-    if (!recorder_ || !finished_.is_null() || finish_order_) continue;
-    if (const auto* arrival = std::get_if<Arrival>(&row)) recorder_->add(*arrival);
-    if (const auto* step = std::get_if<OdometryStep>(&row)) recorder_->add(*step);
-    if (const auto* pose = std::get_if<OdometryPose>(&row)) recorder_->add(*pose);
-  }
+  if (const NameTable* names = source.new_names()) learn(*names);
+  for (const io::LiveRow& row : rows) record(row);
   if (!rows.empty()) row_at_ = now, ++version_;
   const bool is_quiet = now - row_at_ > kQuietTime;
   if (is_quiet && event != RowSource::Event::kRows) live_.flush();
@@ -138,8 +166,12 @@ void Commissioning::work() {
       lock.unlock();
       Json finished = finish_commissioning(input_.path, input_.run, *finish_order_, session_);
       lock.lock();
-      finished_ = std::move(finished);
+      if (finished["deployment"].is_string()) finished_ = finished;
+      tried_ = std::move(finished);
       finish_order_.reset();
+      if (finished_.is_null())
+        for (const io::LiveRow& row : held_rows_) keep(row);
+      held_rows_.clear();
       ++version_;
       wake_.notify_all();
     }
@@ -152,6 +184,7 @@ void Commissioning::work() {
     const auto began = Clock::now();
     CalibrationView view = calibration_view(input_.path, input_.run, session_);
     lock.lock();
+    if (calibrated_arrivals_ == 0) view.message.clear();
     calibrated_at_ = Clock::now();
     calibration_s_ = seconds_of(calibrated_at_ - began);
     is_calibrating_ = false;
@@ -172,7 +205,7 @@ void Commissioning::finish(bool accept) {
 
 Json Commissioning::finished() const {
   const std::lock_guard lock(mutex_);
-  return finished_;
+  return tried_;
 }
 
 RecorderCounts Commissioning::counts() const {
@@ -193,8 +226,11 @@ Json Commissioning::light() const {
   const bool has_verdict = view_.calibration.is_object();
   const std::string grade = has_verdict ? view_.calibration["verdict"]["grade"].get<std::string>() : "";
   const std::string words = has_verdict ? view_.calibration["verdict"]["sentence"].get<std::string>()
-                            : view_.message.empty() ? "No arrival yet."
-                                                    : view_.message;
+                            : !view_.message.empty()           ? view_.message
+                            : recorder_->counts().arrivals > 0 ? "Calibrating ..."
+                                                               : "No arrival yet.";
+  if (!recording_error_.empty())
+    return {{"colour", "not_yet"}, {"grade", nullptr}, {"words", "Recording failed. " + recording_error_}};
   const char* colour = grade == "Good" ? "good" : grade == "Contradicted" ? "contradicted" : "not_yet";
   return {{"colour", colour}, {"grade", has_verdict ? Json(grade) : Json(nullptr)}, {"words", words}};
 }
@@ -236,12 +272,20 @@ void Commissioning::add_recording(Json& state) const {
   state["open_stop"] = nullptr;
   if (!recorder_) return;
   const RecorderCounts& c = recorder_->counts();
-  state["recording"] = {
-      {"folder", recorder_->folder()},    {"arrivals", c.arrivals},
-      {"odometry_rows", c.odometry},      {"late", c.late},
-      {"between_stops", c.between_stops}, {"deleted", c.deleted},
-      {"clock_steps", c.clock_steps},     {"behind_s", behind_s_},
-      {"error", recording_error_},        {"stop_mode", kModes[static_cast<std::size_t>(recorder_->mode())]}};
+  state["recording"] = {{"folder", recorder_->folder()},
+                        {"arrivals", c.arrivals},
+                        {"odometry_rows", c.odometry},
+                        {"late", c.late},
+                        {"between_stops", c.between_stops},
+                        {"deleted", c.deleted},
+                        {"stop_is_over", c.stop_is_over},
+                        {"late_odometry", c.late_odometry},
+                        {"unknown", c.unknown},
+                        {"lost", c.lost},
+                        {"clock_steps", c.clock_steps},
+                        {"behind_s", behind_s_},
+                        {"error", recording_error_},
+                        {"stop_mode", kModes[static_cast<std::size_t>(recorder_->mode())]}};
   if (recorder_->open_stop()) state["open_stop"] = *recorder_->open_stop();
   state["stops"] = stops_json();
 }
@@ -282,6 +326,8 @@ Json Commissioning::state() const {
   state["floor_version"] = view_.floor.empty() ? 0 : floor_version_;
   state["finishing"] = finish_order_.has_value();
   state["finished"] = finished_;
+  state["finish_failure"] = tried_.is_object() && finished_.is_null() ? tried_["message"] : Json("");
+  state["unknown_beacons"] = unknown_;
   state["operator"] = operator_.empty() ? Json(nullptr) : Json(operator_);
   return state;
 }

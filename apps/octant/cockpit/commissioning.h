@@ -49,7 +49,7 @@ class Commissioning {
   void close();
   /// Calibrates the complete run and writes its results, as the command `finish`.
   void finish(bool accept);
-  /// Key `finished` of the state; null before the end.
+  /// Result of the last command `finish`; null before it.
   [[nodiscard]] Json finished() const;
 
   /// Answers a request of the page.
@@ -63,6 +63,11 @@ class Commissioning {
  private:
   using Clock = std::chrono::steady_clock;
   void work();
+  /// Adds new names of the stream. Beacons of a site that was described here are added to its file.
+  void learn(const NameTable& names);
+  void record(const io::LiveRow& row);
+  /// Adds a row to the run; it waits while the run is calibrated to finish.
+  void keep(const io::LiveRow& row);
   void sync_disk();
   [[nodiscard]] bool is_calibration_due() const;
   [[nodiscard]] HttpResponse obey(const Json& command);
@@ -91,8 +96,12 @@ class Commissioning {
   std::string source_, recording_error_, operator_;
   std::map<std::string, std::size_t> bad_lines_;
   bool is_source_over_ = false, is_calibrating_ = false, is_closing_ = false, is_site_changed_ = true;
-  std::optional<bool> finish_order_;  ///< accept
-  Json finished_ = nullptr;
+  std::optional<bool> finish_order_;           ///< accept
+  std::vector<io::LiveRow> held_rows_;         ///< that came while the command finish is carried out
+  Json finished_ = nullptr, tried_ = nullptr;  ///< result of the last finish with a deployment, and of any
+  std::vector<bool> is_known_;                 ///< by beacon: in the site file
+  std::size_t known_receivers_ = std::numeric_limits<std::size_t>::max();
+  std::map<std::string, std::size_t> unknown_;  ///< rows of beacons that are not in the site file
   std::size_t calibrated_arrivals_ = 0, version_ = 1, sent_version_ = 0, floor_version_ = 0;
   double calibration_s_ = 0.0, behind_s_ = 0.0;
   Clock::time_point calibrated_at_{}, ticked_at_{}, synced_at_{}, row_at_ = Clock::now();

@@ -82,6 +82,7 @@ std::optional<int> HttpReader::feed(std::string_view bytes) {
 }
 
 bool HttpReader::is_complete() const { return parser_->of.is_done(); }
+bool HttpReader::has_header() const { return parser_->of.is_header_done(); }
 
 HttpRequest HttpReader::request() const {
   const auto& message = parser_->of.get();

@@ -40,6 +40,7 @@ class HttpReader {
   /// Takes the next bytes. @return status of the answer if the request is invalid (400, 413, 431)
   [[nodiscard]] std::optional<int> feed(std::string_view bytes);
   [[nodiscard]] bool is_complete() const;
+  [[nodiscard]] bool has_header() const;
   [[nodiscard]] HttpRequest request() const;
 
  private:

@@ -26,6 +26,10 @@ LiveState::LiveState(NameTable names, double lateness_s, bool watch)
 void LiveState::set_names(const NameTable& names) {
   names_ = names;
   receptions_.resize(names_.beacons.size());
+  if (!follower_) return;
+  beacon_of_.resize(names_.beacons.size());
+  receiver_of_.resize(names_.receivers.size());
+  vehicle_of_.resize(names_.vehicles.size());
 }
 
 void LiveState::add(const io::LiveRow& row) {

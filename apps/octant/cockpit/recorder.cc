@@ -68,7 +68,7 @@ Result<void> RunRecorder::begin(const std::string& run_yaml) {
 template <class Row>
 bool RunRecorder::insert(Waiting<Row>& waiting, Row& row) {
   row.time_s += offset_s_;
-  if (row.time_s < waiting.written_s) {
+  if (row.time_s < std::max(waiting.written_s, waiting.newest_s - lateness_s_)) {
     if (++waiting.behind < kRowsOfSetClock) return false;
     // Readers refuse times that decrease, so the old clock is continued.
     const double step_s = newest_s_ + lateness_s_ - row.time_s;
@@ -77,6 +77,7 @@ bool RunRecorder::insert(Waiting<Row>& waiting, Row& row) {
     ++counts_.clock_steps;
   }
   waiting.behind = 0;
+  waiting.newest_s = std::max(waiting.newest_s, row.time_s);
   newest_s_ = std::max(newest_s_, row.time_s);
   auto at = waiting.rows.end();
   while (at != waiting.rows.begin() && std::prev(at)->time_s > row.time_s) --at;
@@ -87,40 +88,72 @@ bool RunRecorder::insert(Waiting<Row>& waiting, Row& row) {
 void RunRecorder::choose_mode(const Arrival& arrival) {
   const bool has_epoch = arrival.epoch != kNoEpoch;
   if (mode_ == StopMode::kUndecided) mode_ = has_epoch ? StopMode::kRows : StopMode::kDrive;
-  if (mode_ == StopMode::kDrive && has_epoch && counts_.odometry == 0) {
-    leave_drive();
+  if (mode_ == StopMode::kDrive && has_epoch && counts_.odometry == 0 && leave_drive())
     mode_ = StopMode::kRows;
-  }
   if (tof_) return;
   tof_ = std::make_unique<AppendFile>(folder_ + "/tof.csv",
                                       mode_ == StopMode::kDrive ? kDriveHeader : kEpochHeader);
 }
 
 /// A run has epochs in all of its rows or in none: rows before the first stop remain in a file of their own.
-void RunRecorder::leave_drive() {
-  if (!tof_) return;
-  (void)flush(true);
+Result<void> RunRecorder::leave_drive() {
+  if (!tof_) return {};
+  if (auto flushed = flush(true); !flushed) return flushed;
+  const std::string moving = folder_ + "/moving.csv";
+  std::error_code error;
+  std::filesystem::rename(tof_->path(), moving, error);
+  if (error && counts_.arrivals > 0)
+    return fail({.code = Errc::kOutput, .file = moving, .found = error.message()});
   tof_.reset();
-  std::error_code ignored;
-  std::filesystem::rename(folder_ + "/tof.csv", folder_ + "/moving.csv", ignored);
   counts_.between_stops += std::exchange(counts_.arrivals, 0);
   arrivals_ = {};
+  return {};
+}
+
+/// A sender that begins again with a clock that was set back also counts its stops from the beginning.
+void RunRecorder::continue_epochs(Arrival& arrival) {
+  if (mode_ != StopMode::kRows || arrival.epoch == kNoEpoch) return;
+  Epochs& of = epochs_[static_cast<std::uint32_t>(arrival.vehicle.index())];
+  if (std::exchange(of.clock_steps, counts_.clock_steps) != counts_.clock_steps)
+    of.offset = arrival.epoch <= of.largest ? of.largest + 1 : 0;
+  std::int64_t continued = 0;
+  if (!__builtin_add_overflow(arrival.epoch, of.offset, &continued)) arrival.epoch = continued;
+  constexpr std::int64_t kLargest = std::numeric_limits<std::int64_t>::max() - 1;
+  of.largest = std::clamp(arrival.epoch, of.largest, kLargest);
 }
 
 void RunRecorder::add(Arrival arrival) {
   choose_mode(arrival);
   if (mode_ == StopMode::kMarked) arrival.epoch = open_stop_.value_or(kNoEpoch);
-  if (insert(arrivals_, arrival)) return;
-  ++counts_.late;
-  write_unused(arrival, "late");
+  if (!insert(arrivals_, arrival)) {
+    ++counts_.late;
+    return write_unused(arrival, "late");
+  }
+  auto at = std::prev(arrivals_.rows.end());
+  while (at->time_s > arrival.time_s) --at;
+  continue_epochs(*at);
+}
+
+void RunRecorder::add_unknown(const Arrival& arrival, const char* reason) {
+  ++counts_.unknown;
+  write_unused(arrival, reason);
 }
 
 void RunRecorder::add(OdometryStep step) {
-  if (!insert(steps_, step)) ++counts_.late;
+  if (insert(steps_, step)) return;
+  ++counts_.late_odometry;
+  Pose& late = late_step_[static_cast<std::uint32_t>(step.vehicle.index())];
+  late = late * step.pose();
 }
 
 void RunRecorder::add(OdometryPose pose) {
-  if (!insert(poses_, pose)) ++counts_.late;
+  if (!insert(poses_, pose)) ++counts_.late_odometry;
+}
+
+bool RunRecorder::append(AppendFile& file, const std::string& row) {
+  const bool has_room = file.add(row);
+  if (!has_room) ++counts_.lost;
+  return has_room;
 }
 
 std::string RunRecorder::row_of(const Arrival& a, bool with_epoch) const {
@@ -132,7 +165,7 @@ std::string RunRecorder::row_of(const Arrival& a, bool with_epoch) const {
 }
 
 void RunRecorder::write_unused(const Arrival& arrival, const char* reason) {
-  unused_->add(row_of(arrival, true) + fmt::format(",{}\n", reason));
+  append(*unused_, row_of(arrival, true) + fmt::format(",{}\n", reason));
 }
 
 void RunRecorder::write(const Arrival& arrival) {
@@ -140,24 +173,25 @@ void RunRecorder::write(const Arrival& arrival) {
   if (mode_ == StopMode::kDrive) {
     Arrival moving = arrival;
     moving.epoch = kNoEpoch;
-    tof_->add(row_of(moving, false) + "\n");
-    ++counts_.arrivals;
+    if (append(*tof_, row_of(moving, false) + "\n")) ++counts_.arrivals;
     return;
   }
   const auto vehicle = static_cast<std::uint32_t>(arrival.vehicle.index());
   if (arrival.epoch == kNoEpoch || finished_epochs_.contains({vehicle, arrival.epoch})) {
-    ++counts_.between_stops;
-    return write_unused(arrival, arrival.epoch == kNoEpoch ? "between_stops" : "stop_is_over");
+    const bool is_between = arrival.epoch == kNoEpoch;
+    ++(is_between ? counts_.between_stops : counts_.stop_is_over);
+    return write_unused(arrival, is_between ? "between_stops" : "stop_is_over");
   }
   const auto current = current_epoch_.try_emplace(vehicle, arrival.epoch).first;
   if (current->second != arrival.epoch) {
     finished_epochs_.insert({vehicle, current->second});
     current->second = arrival.epoch;
   }
-  tof_->add(row_of(arrival, true) + "\n");
+  if (!append(*tof_, row_of(arrival, true) + "\n")) return;
   ++counts_.arrivals;
   RecordedStop& stop = stops_[arrival.epoch];
   if (stop.arrivals++ == 0) stop.first_s = arrival.time_s;
+  if (stop.arrivals == 1 && points_.contains(arrival.epoch)) (void)set_points();
   stop.last_s = arrival.time_s;
   stop.beacons.insert(static_cast<std::uint32_t>(arrival.beacon.index()));
   if (stops_.size() > kMostListedStops) stops_.erase(stops_.begin());
@@ -175,7 +209,13 @@ void RunRecorder::write(const OdometryPose& pose) {
 
 void RunRecorder::write_step(OdometryStep step) {
   steps_.written_s = step.time_s;
-  if (anchored_.insert(static_cast<std::uint32_t>(step.vehicle.index())).second) step.set_pose(Pose());
+  const auto vehicle = static_cast<std::uint32_t>(step.vehicle.index());
+  const bool is_first = anchored_.insert(vehicle).second;
+  if (is_first) step.set_pose(Pose());
+  if (const auto late = late_step_.find(vehicle); late != late_step_.end()) {
+    if (!is_first) step.set_pose(late->second * step.pose());
+    late_step_.erase(late);
+  }
   std::string row = fmt::format("{},{},{},", step.time_s, step.dx_m, step.dy_m);
   if (motion_ == Motion::kPlanar) {
     row += fmt::format("{}", step.dheading_rad);
@@ -183,8 +223,7 @@ void RunRecorder::write_step(OdometryStep step) {
     const Eigen::Quaterniond q = step.pose().rotation;
     row += fmt::format("{},{},{},{},{}", step.dz_m, q.x(), q.y(), q.z(), q.w());
   }
-  odometry_->add(row + "," + vehicle_fields_[step.vehicle.index()] + "\n");
-  ++counts_.odometry;
+  if (append(*odometry_, row + "," + vehicle_fields_[step.vehicle.index()] + "\n")) ++counts_.odometry;
 }
 
 Result<void> RunRecorder::flush(bool all) {
@@ -198,7 +237,11 @@ Result<void> RunRecorder::flush(bool all) {
   write_until(arrivals_, [this](const Arrival& arrival) { write(arrival); });
   for (AppendFile* file : {odometry_.get(), tof_.get(), unused_.get()})
     if (file != nullptr)
-      if (auto done = file->flush(); !done) return done;
+      if (auto done = file->flush(); !done) {
+        written_counts_.lost = counts_.lost;
+        return done;
+      }
+  written_counts_ = counts_;
   return {};
 }
 
@@ -215,7 +258,8 @@ Result<std::int64_t> RunRecorder::begin_stop() {
   if (counts_.odometry > 0)
     return not_now("the stream has odometry, so the run is a drive", "a drive has no stops");
   if (open_stop_) return not_now(fmt::format("stop {} is open", *open_stop_), "end it first");
-  if (mode_ == StopMode::kDrive) leave_drive();
+  if (mode_ == StopMode::kDrive)
+    if (auto left = leave_drive(); !left) return fail(left.error());
   mode_ = StopMode::kMarked;
   open_stop_ = next_stop_++;
   return *open_stop_;
@@ -223,14 +267,19 @@ Result<std::int64_t> RunRecorder::begin_stop() {
 
 Result<void> RunRecorder::end_stop() {
   if (!open_stop_) return not_now("no stop is open", "begin a stop first");
+  if (auto flushed = flush(true); !flushed) return flushed;
+  if (points_.contains(*open_stop_) && !stops_.contains(*open_stop_))
+    return not_now(fmt::format("stop {} has a control point and no arrival", *open_stop_),
+                   "wait for arrivals here, or delete the stop");
   open_stop_.reset();
   return {};
 }
 
 Result<void> RunRecorder::delete_stop(std::int64_t epoch) {
   if (auto flushed = flush(true); !flushed) return flushed;
-  if (!stops_.contains(epoch))
+  if (!stops_.contains(epoch) && open_stop_ != epoch)
     return not_now(fmt::format("there is no stop {}", epoch), "a stop of the list");
+  if (!tof_) return forget_stop(epoch, 0);
   auto text = io::read_file(tof_->path());
   if (!text) return fail(text.error());
   std::string kept;
@@ -239,7 +288,7 @@ Result<void> RunRecorder::delete_stop(std::int64_t epoch) {
     const std::string_view row = rest.substr(0, std::min(rest.find('\n'), rest.size() - 1) + 1);
     rest.remove_prefix(row.size());
     if (epoch_of_row(row) == epoch) {
-      unused_->add(fmt::format("{},deleted\n", row.substr(0, row.size() - 1)));
+      append(*unused_, fmt::format("{},deleted\n", row.substr(0, row.size() - 1)));
       ++deleted;
     } else {
       kept += row;
@@ -249,10 +298,15 @@ Result<void> RunRecorder::delete_stop(std::int64_t epoch) {
   if (auto flushed = unused_->flush(); !flushed) return flushed;
   if (auto written = io::write_file(tof_->path(), kept); !written) return written;
   tof_->reopen();
+  return forget_stop(epoch, deleted);
+}
+
+Result<void> RunRecorder::forget_stop(std::int64_t epoch, std::size_t deleted) {
   if (open_stop_ == epoch) open_stop_.reset();
   for (const auto& [vehicle, current] : current_epoch_) finished_epochs_.insert({vehicle, epoch});
   counts_.arrivals -= deleted;
   counts_.deleted += deleted;
+  written_counts_ = counts_;
   stops_.erase(epoch);
   if (points_.erase(epoch) == 0) return {};
   return set_points();
@@ -267,10 +321,14 @@ Result<void> RunRecorder::set_point(std::int64_t epoch, const ControlPoint& poin
 
 Result<void> RunRecorder::set_points() {
   std::string text = "epoch,x_m,y_m,sigma_m\n";
-  for (const auto& [epoch, point] : points_)
+  bool is_empty = true;
+  for (const auto& [epoch, point] : points_) {
+    if (epoch == open_stop_ && !stops_.contains(epoch)) continue;  // it has no arrival yet
     text += fmt::format("{},{},{},{}\n", epoch, point.x_m, point.y_m, point.sigma_m);
+    is_empty = false;
+  }
   const std::string path = folder_ + "/points.csv";
-  if (!points_.empty()) return io::write_file(path, text);
+  if (!is_empty) return io::write_file(path, text);
   std::error_code ignored;
   std::filesystem::remove(path, ignored);
   return {};

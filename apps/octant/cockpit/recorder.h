@@ -44,7 +44,10 @@ struct ControlPoint {
 struct RecorderCounts {
   std::size_t arrivals = 0, odometry = 0;                ///< written to the run
   std::size_t late = 0, between_stops = 0, deleted = 0;  ///< written to unused.csv
-  std::size_t clock_steps = 0;                           ///< times at which the sender's clock was set back
+  std::size_t stop_is_over = 0, unknown = 0;             ///< likewise
+  std::size_t late_odometry = 0;                         ///< increments among them are in the next row
+  std::size_t lost = 0;         ///< rows that the memory could not keep while writing failed
+  std::size_t clock_steps = 0;  ///< times at which the sender's clock was set back
 };
 
 /// Writes a live stream into a run folder, which is readable at any moment. Rows may come in any order within
@@ -59,6 +62,8 @@ class RunRecorder {
   /// Creates the folder with run.yaml.
   [[nodiscard]] Result<void> begin(const std::string& run_yaml);
   void add(Arrival arrival);
+  /// Writes an arrival to unused.csv, because a name in it is not in the site file.
+  void add_unknown(const Arrival& arrival, const char* reason);
   void add(OdometryStep step);
   void add(OdometryPose pose);
   /// Writes the rows that no earlier row can precede any more.
@@ -80,7 +85,8 @@ class RunRecorder {
   [[nodiscard]] std::optional<std::int64_t> open_stop() const { return open_stop_; }
   [[nodiscard]] const std::map<std::int64_t, RecordedStop>& stops() const { return stops_; }
   [[nodiscard]] const std::map<std::int64_t, ControlPoint>& points() const { return points_; }
-  [[nodiscard]] const RecorderCounts& counts() const { return counts_; }
+  /// Rows that are written.
+  [[nodiscard]] const RecorderCounts& counts() const { return written_counts_; }
   [[nodiscard]] const std::string& folder() const { return folder_; }
 
  private:
@@ -89,17 +95,21 @@ class RunRecorder {
   struct Waiting {
     std::deque<Row> rows;
     double written_s = -std::numeric_limits<double>::infinity();  ///< time of the last written row
+    double newest_s = written_s;                                  ///< that was received
     std::size_t behind = 0;                                       ///< consecutive late rows
   };
   template <class Row>
   bool insert(Waiting<Row>& waiting, Row& row);
+  void continue_epochs(Arrival& arrival);
   void choose_mode(const Arrival& arrival);
-  void leave_drive();
+  [[nodiscard]] Result<void> leave_drive();
+  bool append(AppendFile& file, const std::string& row);
   void write(const Arrival& arrival);
   void write_unused(const Arrival& arrival, const char* reason);
   void write(const OdometryPose& pose);
   void write_step(OdometryStep step);
   [[nodiscard]] Result<void> set_points();
+  [[nodiscard]] Result<void> forget_stop(std::int64_t epoch, std::size_t deleted);
   [[nodiscard]] std::string row_of(const Arrival& arrival, bool with_epoch) const;
 
   std::string folder_;
@@ -114,13 +124,19 @@ class RunRecorder {
   Waiting<OdometryPose> poses_;
   std::map<std::uint32_t, Pose> last_pose_;  ///< by vehicle, in the frame of its odometry
   std::set<std::uint32_t> anchored_;         ///< vehicles whose first odometry row is written
+  std::map<std::uint32_t, Pose> late_step_;  ///< by vehicle: increments that came too late for their row
+  struct Epochs {
+    std::int64_t largest = -1, offset = 0;
+    std::size_t clock_steps = 0;  ///< that are considered
+  };
+  std::map<std::uint32_t, Epochs> epochs_;  ///< by vehicle
   std::map<std::uint32_t, std::int64_t> current_epoch_;
   std::set<std::pair<std::uint32_t, std::int64_t>> finished_epochs_;
   std::optional<std::int64_t> open_stop_;
   std::int64_t next_stop_ = 0;
   std::map<std::int64_t, RecordedStop> stops_;
   std::map<std::int64_t, ControlPoint> points_;
-  RecorderCounts counts_;
+  RecorderCounts counts_, written_counts_;
 };
 
 }  // namespace octant::app

@@ -10,20 +10,20 @@
 
 #include <fmt/format.h>
 
+#include "io/site/site_id.h"
+#include "io/text/text.h"
+
 namespace octant::app {
 namespace {
 
-/// A name in a line; empty if it is unusable: no text or number, too long, with control characters.
+/// A name in a line; empty if a site file cannot have it as an id.
 std::string stream_name(const Json& line, const char* key, const std::string& otherwise) {
-  constexpr std::size_t kLongestName = 64;
   const auto at = line.find(key);
   if (at == line.end() || at->is_null()) return otherwise;
   const std::string name = at->is_string()           ? at->get<std::string>()
                            : at->is_number_integer() ? at->dump()
                                                      : "";
-  const bool is_plain =
-      std::ranges::none_of(name, [](char c) { return static_cast<unsigned char>(c) < ' '; });
-  return is_plain && name.size() <= kLongestName ? name : "";
+  return io::is_site_id(name) ? name : "";
 }
 
 class LineSource : public RowSource {
@@ -32,9 +32,12 @@ class LineSource : public RowSource {
              Session& session)
       : where_(std::move(where)),
         source_(std::move(source)),
+        speed_mps_(constant_speed_mps),
         reader_(names.value_or(NameTable()), constant_speed_mps),
         session_(session),
-        learns_(!names) {}
+        names_(names.value_or(NameTable())),
+        learns_all_(!names),
+        given_beacons_(names ? names->beacons.size() : kMostBeacons) {}
 
   Event read(int timeout_ms, const Sink& sink) override {
     using From = ByteSource::Event;
@@ -46,9 +49,13 @@ class LineSource : public RowSource {
     const auto line = [&](std::string_view text) {
       ++lines_;
       auto row = reader_.row(text);
-      if (!row && learns_ && learn_names(text)) row = reader_.row(text);
-      if (row) return sink(*row);
-      bad_.add(row.error().message(), lines_, session_);
+      if (!row && learn_names(text)) row = reader_.row(text);
+      if (!row) return bad_.add(row.error().message(), lines_, session_);
+      if (const auto* arrival = std::get_if<Arrival>(&*row);
+          arrival != nullptr && arrival->beacon.index() >= given_beacons_)
+        bad_.add("unknown beacon " + io::in_quotes(names_.beacons[arrival->beacon.index()]), lines_,
+                 session_);
+      sink(*row);
     };
     const auto too_long = [this] { bad_.add("a line of more than 65536 bytes", ++lines_, session_); };
     if (event == From::kBytes) cutter_.feed(source_.bytes(), line, too_long);
@@ -61,48 +68,50 @@ class LineSource : public RowSource {
   [[nodiscard]] const NameTable* new_names() override {
     return std::exchange(has_new_names_, false) ? &names_ : nullptr;
   }
-  void freeze_names(const NameTable& names) override {
-    if (!std::exchange(learns_, false)) return;
-    names_ = names;
-    reader_ = io::LiveReader(names_);
-    has_new_names_ = false;
-  }
   [[nodiscard]] std::map<std::string, std::size_t> bad_lines() const override { return bad_.kinds(); }
 
  private:
-  /// Adds the names of a line. @return false if there is no new one
+  /// Adds the names of a line that is a valid row with them. @return false if there is no new one
   bool learn_names(std::string_view text) {
     const Json line = Json::parse(text, nullptr, false);
-    if (!line.is_object() || !line.contains("time_s")) return false;
+    if (!line.is_object()) return false;
+    NameTable more = names_;
     const std::string vehicle = stream_name(line, "vehicle", "robot"),
                       beacon = stream_name(line, "beacon", "");
     bool is_new = false;
-    if (!names_.find_vehicle(vehicle).valid() && names_.vehicles.size() < kMostVehicles && !vehicle.empty())
-      names_.vehicles.push_back(vehicle), is_new = true;
-    const VehicleId id = names_.find_vehicle(vehicle);
-    if (!id.valid()) return false;
-    if (!beacon.empty() && !names_.find_beacon(beacon).valid() && names_.beacons.size() < kMostBeacons)
-      names_.beacons.push_back(beacon), is_new = true;
-    const std::string receiver = stream_name(line, "receiver", "r0");
-    const bool has = std::ranges::any_of(
-        names_.receivers, [&](const auto& r) { return r.vehicle == id && r.name == receiver; });
-    if (!has && !receiver.empty() && names_.receivers.size() < kMostReceivers)
-      names_.receivers.push_back({receiver, id}), is_new = true;
-    if (is_new) reader_ = io::LiveReader(names_);
-    has_new_names_ = has_new_names_ || is_new;
-    return is_new;
+    const auto add = [&is_new](auto& list, auto entry, std::size_t most) {
+      if (list.size() < most) list.push_back(std::move(entry)), is_new = true;
+    };
+    if (!beacon.empty() && !more.find_beacon(beacon).valid()) add(more.beacons, beacon, kMostBeacons);
+    if (learns_all_) {
+      if (!vehicle.empty() && !more.find_vehicle(vehicle).valid()) add(more.vehicles, vehicle, kMostVehicles);
+      const VehicleId id = more.find_vehicle(vehicle);
+      const std::string receiver = stream_name(line, "receiver", "r0");
+      const bool has = std::ranges::any_of(
+          more.receivers, [&](const auto& r) { return r.vehicle == id && r.name == receiver; });
+      if (id.valid() && !beacon.empty() && !receiver.empty() && !has)
+        add(more.receivers, NameTable::Receiver{receiver, id}, kMostReceivers);
+    }
+    if (!is_new) return false;
+    io::LiveReader reader(more, speed_mps_);
+    if (!reader.row(text)) return false;
+    names_ = std::move(more);
+    reader_ = std::move(reader);
+    return has_new_names_ = true;
   }
 
   static constexpr std::size_t kMostBeacons = 1000, kMostReceivers = 100, kMostVehicles = 20;
   std::string where_;
   ByteSource source_;
+  double speed_mps_;
   io::LineCutter cutter_;
   io::LiveReader reader_;
   Session& session_;
   BadLines bad_;
-  NameTable names_;  ///< that were learned
+  NameTable names_;
   std::size_t lines_ = 0;
-  bool is_over_ = false, learns_, has_new_names_ = false;
+  bool is_over_ = false, has_new_names_ = false, learns_all_;  ///< or beacons only
+  std::size_t given_beacons_;                                  ///< that are no invalid lines
 };
 
 class ReplaySource : public RowSource {

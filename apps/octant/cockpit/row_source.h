@@ -29,13 +29,12 @@ class RowSource {
   /// Names that the stream has brought since the last call; null if there are no new ones. Earlier names keep
   /// their ids.
   [[nodiscard]] virtual const NameTable* new_names() { return nullptr; }
-  /// Uses these names from now on and learns no further ones, because a site file defines them.
-  virtual void freeze_names(const NameTable& /*names*/) {}
   /// Kinds of invalid lines with their counts.
   [[nodiscard]] virtual std::map<std::string, std::size_t> bad_lines() const { return {}; }
 };
 
 /// Opens a stream of live lines: "stdin" or "-", "tcp:PORT", "udp:PORT", "serial:DEVICE[:BAUD]" or a device.
+/// Rows of beacons that are not among the names are passed on too, with new names, and are invalid lines.
 [[nodiscard]] std::unique_ptr<RowSource> open_line_source(const std::string& where, NameTable names,
                                                           double constant_speed_mps, Session& session);
 /// The same without a site: names are those of the lines.

@@ -83,7 +83,9 @@ void place_receivers(double radius_m, double height_m, Site& site) {
 Result<void> Commissioning::set_site(const Json& answers) {
   if (input_.site) return bad_answer("there is a site file", "a cockpit that began without one");
   if (names_.beacons.empty()) return bad_answer("no beacon is received yet", "a stream of arrivals");
-  const std::string kind = answer_text(answers, "kind");
+  const std::string kind = answers.contains("kind") ? answer_text(answers, "kind") : "ultrasound";
+  if (kind != "ultrasound" && kind != "uwb" && kind != "underwater")
+    return bad_answer("an unknown kind", "ultrasound, uwb or underwater");
   const auto medium = kind == "uwb"          ? SiteKind::kUwb
                       : kind == "underwater" ? SiteKind::kUnderwater
                                              : SiteKind::kUltrasound;
@@ -97,8 +99,7 @@ Result<void> Commissioning::set_site(const Json& answers) {
   const auto ids = ids_of(input_.run, names_);
   if (!ids) return fail(ids.error());
   const std::string path = input_.run + "/site.yaml";
-  if (auto written = io::write_file(path, site_template(medium, "site", *ids)); !written) return written;
-  auto site = io::read_site(path);
+  auto site = read_text_as_site(path, site_template(medium, "site", *ids));
   if (!site) return fail(site.error());
   const auto temperature = answers.find("temperature_degC");
   if (temperature != answers.end() && temperature->is_number())
@@ -107,7 +108,10 @@ Result<void> Commissioning::set_site(const Json& answers) {
   site->tolerance = {beacon_m, fix_m};
   if (const auto beacons = answers.find("beacons"); beacons != answers.end() && beacons->is_array())
     if (auto placed = place_beacons(*beacons, *site); !placed) return placed;
-  if (auto written = io::write_file(path, io::site_to_yaml(*site)); !written) return written;
+  const std::string text = io::site_to_yaml(*site);
+  if (const auto read = read_text_as_site(path, text); !read) return fail(read.error());
+  if (auto written = io::write_file(path, text); !written) return written;
+  known_receivers_ = names_.receivers.size();
   input_.path = path;
   site_edit_ = SiteEdit(path);
   return reread({});

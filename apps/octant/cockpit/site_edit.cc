@@ -9,6 +9,7 @@
 
 #include "io/site/site_yaml.h"
 #include "io/text/atomic_file.h"
+#include "io/yaml/yaml_writer.h"
 
 namespace octant::app {
 namespace {
@@ -53,7 +54,15 @@ bool is_at_same_place(const SiteBeacon* a, const SiteBeacon* b) {
   return a != nullptr && b != nullptr && a->position_m == b->position_m && a->sigma_m == b->sigma_m;
 }
 
-/// Writes a text next to the site file, so that imports of its scene are found, and reads it as a site.
+/// Position in the text after a line; lines begin with 1.
+std::size_t end_of_line(const std::string& text, int line) {
+  std::size_t at = 0;
+  for (; line > 0 && at < text.size(); --line) at = std::min(text.find('\n', at), text.size() - 1) + 1;
+  return at;
+}
+
+}  // namespace
+
 Result<Site> read_text_as_site(const std::string& path, const std::string& text) {
   const std::string trial = path + ".edit.tmp";
   if (auto written = io::write_file(trial, text); !written) return fail(written.error());
@@ -61,8 +70,6 @@ Result<Site> read_text_as_site(const std::string& path, const std::string& text)
   std::remove(trial.c_str());
   return site;
 }
-
-}  // namespace
 
 Result<void> SiteEdit::exchange(const std::string& a, const std::string& b) {
   const auto site = io::read_site(path_);
@@ -92,6 +99,30 @@ Result<void> SiteEdit::exchange(const std::string& a, const std::string& b) {
     return no_change(path_, "a layout in which the ids cannot be exchanged", advice);
   if (auto written = io::write_file(path_, changed); !written) return written;
   changes_.push_back({fmt::format("{} and {} exchanged", a, b), std::move(*text), changed});
+  return {};
+}
+
+Result<void> SiteEdit::append(const std::vector<std::string>& names) {
+  const auto site = io::read_site(path_);
+  auto text = io::read_file(path_);
+  if (!site) return fail(site.error());
+  if (!text) return fail(text.error());
+  const int line = site->beacons.empty() ? 0 : site->beacons.back().line;
+  std::string rows;
+  const std::size_t last = end_of_line(*text, line - 1);
+  const std::string indent(text->find_first_not_of(' ', last) - last, ' ');
+  for (const std::string& name : names) rows += fmt::format("{}- {{id: {}}}\n", indent, io::yaml_text(name));
+  const auto with_rows = [&](std::string of) { return of.insert(end_of_line(of, line), rows); };
+  const auto read = read_text_as_site(path_, with_rows(*text));
+  const bool has_all =
+      read && read->beacons.size() == site->beacons.size() + names.size() &&
+      is_at_same_place(beacon_named(*read, site->beacons.back().name), &site->beacons.back()) &&
+      std::ranges::all_of(names, [&](const auto& name) { return beacon_named(*read, name) != nullptr; });
+  if (!has_all)
+    return no_change(path_, "a layout to which beacons cannot be added", "add the new beacons by hand");
+  if (auto written = io::write_file(path_, with_rows(*text)); !written) return written;
+  for (Change& change : changes_)
+    for (std::string* of : {&change.before, &change.after}) *of = with_rows(*of);
   return {};
 }
 

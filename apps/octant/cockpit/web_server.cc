@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/octant/cockpit/web_server.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -14,6 +15,8 @@
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <ifaddrs.h>
+#include <net/if.h>
 #include <netdb.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -24,7 +27,9 @@ namespace {
 
 using WebClock = std::chrono::steady_clock;
 
-constexpr std::size_t kMostConnections = 64;
+constexpr std::size_t kMostConnections = 64, kMostOfOneAddress = 8;
+constexpr std::ptrdiff_t kMostStreams = 16;
+constexpr std::chrono::seconds kHeaderTime{2};
 constexpr std::size_t kMostUnsentBytes = std::size_t{4} << 20;  ///< of a viewer that reads slowly
 constexpr std::chrono::seconds kRequestTime{10};                ///< for a request, and for its answer
 constexpr std::chrono::milliseconds kEventPeriod{500};
@@ -39,6 +44,39 @@ bool is_loopback_address(const sockaddr* address) {
   if (address->sa_family == AF_INET)
     return (ntohl(reinterpret_cast<const sockaddr_in*>(address)->sin_addr.s_addr) >> 24U) == 127;
   return IN6_IS_ADDR_LOOPBACK(&reinterpret_cast<const sockaddr_in6*>(address)->sin6_addr);
+}
+
+/// An address without its port; [ADDRESS] for IPv6.
+std::string host_of(const sockaddr* address) {
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  if (address->sa_family == AF_INET) {
+    inet_ntop(AF_INET, &reinterpret_cast<const sockaddr_in*>(address)->sin_addr, text.data(), text.size());
+    return text.data();
+  }
+  inet_ntop(AF_INET6, &reinterpret_cast<const sockaddr_in6*>(address)->sin6_addr, text.data(), text.size());
+  return fmt::format("[{}]", text.data());
+}
+
+/// The address that a socket is bound to or, if that is all of them, those of the network interfaces.
+/// Addresses that are valid on one link only need the name of the other machine's interface, and are left
+/// out.
+std::vector<std::string> hosts_of(const sockaddr* bound) {
+  const std::string host = host_of(bound);
+  std::vector<std::string> hosts;
+  ifaddrs* interfaces = nullptr;
+  if ((host == "0.0.0.0" || host == "[::]") && getifaddrs(&interfaces) == 0) {
+    for (const ifaddrs* i = interfaces; i != nullptr; i = i->ifa_next) {
+      if (i->ifa_addr == nullptr || (i->ifa_flags & IFF_UP) == 0U) continue;
+      const bool is_v6 = i->ifa_addr->sa_family == AF_INET6;
+      if (i->ifa_addr->sa_family != AF_INET && !(is_v6 && bound->sa_family == AF_INET6)) continue;
+      if (is_v6 && IN6_IS_ADDR_LINKLOCAL(&reinterpret_cast<const sockaddr_in6*>(i->ifa_addr)->sin6_addr))
+        continue;
+      hosts.push_back(host_of(i->ifa_addr));
+    }
+    freeifaddrs(interfaces);
+  }
+  if (hosts.empty()) hosts.push_back(host);
+  return hosts;
 }
 
 }  // namespace
@@ -70,8 +108,8 @@ Result<WebServer> WebServer::listen(const std::string& address) {
   getsockname(server.fd_, reinterpret_cast<sockaddr*>(&bound), &size);
   server.port_ = ntohs(bound.ss_family == AF_INET ? reinterpret_cast<sockaddr_in*>(&bound)->sin_port
                                                   : reinterpret_cast<sockaddr_in6*>(&bound)->sin6_port);
-  server.url_ =
-      fmt::format("http://{}:{}/", bound.ss_family == AF_INET ? host : "[" + host + "]", server.port_);
+  for (const std::string& name : hosts_of(reinterpret_cast<const sockaddr*>(&bound)))
+    server.urls_.push_back(fmt::format("http://{}:{}/", name, server.port_));
   return server;
 }
 
@@ -79,7 +117,7 @@ WebServer::WebServer(WebServer&& other) noexcept
     : fd_(std::exchange(other.fd_, -1)),
       port_(other.port_),
       is_loopback_(other.is_loopback_),
-      url_(std::move(other.url_)) {}
+      urls_(std::move(other.urls_)) {}
 
 WebServer::~WebServer() {
   is_stopping_ = true;
@@ -90,7 +128,7 @@ WebServer::~WebServer() {
 struct WebServer::Connection {
   int fd = -1;
   HttpReader reader;
-  std::string out;
+  std::string address, out;
   bool is_answered = false, is_stream = false;
   WebClock::time_point began = WebClock::now();
 };
@@ -110,8 +148,7 @@ struct WebServer::Loop {
   void run() {
     std::vector<pollfd> waiting;
     while (!server.is_stopping_) {
-      waiting.assign(1,
-                     {server.fd_, static_cast<short>(connections.size() < kMostConnections ? POLLIN : 0), 0});
+      waiting.assign(1, {server.fd_, POLLIN, 0});
       for (const Connection& c : connections)
         waiting.push_back({c.fd, static_cast<short>(POLLIN | (c.out.empty() ? 0 : POLLOUT)), 0});
       poll(waiting.data(), waiting.size(), 100);
@@ -128,11 +165,29 @@ struct WebServer::Loop {
     return connections.erase(c);
   }
 
+  /// Where there are too many connections, a new one replaces the oldest that has no answer yet.
   void accept_one() {
-    const int fd = accept4(server.fd_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);
+    sockaddr_storage from{};
+    socklen_t size = sizeof from;
+    auto* const peer = reinterpret_cast<sockaddr*>(&from);
+    const int fd = accept4(server.fd_, peer, &size, SOCK_CLOEXEC | SOCK_NONBLOCK);
     if (fd < 0) return;
+    const std::string address = host_of(peer);
+    const auto of_address = std::ranges::count(connections, address, &Connection::address);
+    const bool is_crowd = static_cast<std::size_t>(of_address) >= kMostOfOneAddress;
+    if (is_crowd || connections.size() >= kMostConnections) {
+      const auto oldest = std::ranges::find_if(connections, [&](const Connection& c) {
+        return !c.is_answered && (!is_crowd || c.address == address);
+      });
+      if (oldest == connections.end()) {
+        close(fd);
+        return;
+      }
+      remove(oldest);
+    }
     connections.emplace_back();
     connections.back().fd = fd;
+    connections.back().address = address;
   }
 
   /// @return false if the connection is over
@@ -141,7 +196,7 @@ struct WebServer::Loop {
     if (!c.out.empty() && !transmit(c)) return false;
     if (c.is_stream) return true;
     if (c.is_answered && c.out.empty()) return false;
-    return WebClock::now() - c.began < kRequestTime;
+    return WebClock::now() - c.began < (c.is_answered || c.reader.has_header() ? kRequestTime : kHeaderTime);
   }
 
   bool receive(Connection& c) {
@@ -156,7 +211,10 @@ struct WebServer::Loop {
     } else if (c.reader.is_complete()) {
       const HttpRequest request = c.reader.request();
       auto refused = guard.refusal(request);
-      answer(c, refused ? std::move(*refused) : handled(request));
+      auto response = refused ? std::move(*refused) : handled(request);
+      if (response.is_stream && std::ranges::count(connections, true, &Connection::is_stream) >= kMostStreams)
+        response = http_error(503, "Too many pages are open.");
+      answer(c, response);
     }
     return true;
   }

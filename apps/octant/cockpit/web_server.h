@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "apps/octant/cockpit/http.h"
 #include "models/support/result.h"
@@ -32,8 +33,8 @@ class WebServer {
   void start(HttpGuard guard, Handler handler, NextEvent next_event);
   [[nodiscard]] int port() const { return port_; }
   [[nodiscard]] bool is_loopback() const { return is_loopback_; }
-  /// Address for a browser on this machine, or for another one.
-  [[nodiscard]] std::string url() const { return url_; }
+  /// Addresses for browsers: one, or those of all network interfaces.
+  [[nodiscard]] const std::vector<std::string>& urls() const { return urls_; }
 
  private:
   struct Connection;
@@ -41,7 +42,7 @@ class WebServer {
   WebServer() = default;
   int fd_ = -1, port_ = 0;
   bool is_loopback_ = true;
-  std::string url_;
+  std::vector<std::string> urls_;
   std::atomic<bool> is_stopping_ = false;
   std::thread thread_;
 };

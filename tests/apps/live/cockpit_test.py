@@ -43,10 +43,10 @@ def lines_of(run, epoch=True):
 class Cockpit:
     """A running cockpit with its address and the commands of its operator."""
 
-    def __init__(self, folder, *words, site=os.path.join(HALL, "site.yaml")):
+    def __init__(self, folder, *words, site=os.path.join(HALL, "site.yaml"), preexec=None):
         self.run = os.path.join(folder, "recorded")
         self.process = subprocess.Popen([OCTANT, "cockpit", *([site] if site else []), "--listen", "127.0.0.1:0", "-o", self.run, *words],
-                                        stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+                                        stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, preexec_fn=preexec)
         self.notes = []
         for line in self.process.stderr:
             self.notes.append(line)
@@ -330,16 +330,16 @@ class Hostile(Folder):
             self.assertIsNone(cockpit.state()["finished"])
 
     def test_a_wrong_token_is_refused_and_the_right_one_sets_a_cookie(self):
-        with Cockpit(self.folder, "--token", "secret-1") as cockpit:
+        with Cockpit(self.folder, "--token", "secret-1-secret-1") as cockpit:
             for headers in ({}, {"Cookie": f"octant_{cockpit.port}=secret-2"}, {"Authorization": "Bearer secret-"}):
                 self.assertEqual(cockpit.ask("GET", "/api/state", None, headers)[0].status, 401)
             self.assertEqual(cockpit.ask("GET", "/?token=secret-2")[0].status, 401)
-            answer, _ = cockpit.ask("GET", "/?token=secret-1")
+            answer, _ = cockpit.ask("GET", "/?token=secret-1-secret-1")
             self.assertEqual((answer.status, answer.getheader("Location")), (303, "/"))
             cookie = answer.getheader("Set-Cookie")
             self.assertIn("HttpOnly; SameSite=Strict", cookie)
             self.assertEqual(cockpit.ask("GET", "/api/state", None, {"Cookie": cookie.split(";")[0]})[0].status, 200)
-            self.assertEqual(cockpit.ask("GET", "/api/state", None, {"Authorization": "Bearer secret-1"})[0].status, 200)
+            self.assertEqual(cockpit.ask("GET", "/api/state", None, {"Authorization": "Bearer secret-1-secret-1"})[0].status, 200)
         done = subprocess.run([OCTANT, "cockpit", os.path.join(HALL, "site.yaml"), "--listen", "0.0.0.0:0", "-o", self.folder + "/open"], capture_output=True, text=True, timeout=PATIENCE_S, stdin=subprocess.DEVNULL)
         self.assertEqual(done.returncode, 2, "other machines need a token")
 

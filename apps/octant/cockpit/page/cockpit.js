@@ -16,11 +16,28 @@ function element(name, text = "", attributes = {}) {
   for (const [key, value] of Object.entries(attributes)) key in made ? made[key] = value : made.setAttribute(key, value);
   return made;
 }
-/** Replaces the children of a list, and keeps the focus on the button of the same key. */
+/** Replaces the children of a list. An element with buttons remains, so that a click on one is not lost: it gets the contents of the new one. */
 function fill(list, children) {
-  const key = list.contains(document.activeElement) ? document.activeElement.dataset.key : undefined;
-  list.replaceChildren(...children);
-  if (key) list.querySelector(`[data-key="${CSS.escape(key)}"]`)?.focus();
+  const old = new Map([...list.children].map(child => [child.dataset.key, child]));
+  const kept = children.map(child => {
+    const same = child.dataset.key && old.get(child.dataset.key);
+    return same ? update(same, child) : child;
+  });
+  for (const child of [...list.children]) if (!kept.includes(child)) child.remove();
+  kept.forEach((child, i) => { if (list.children[i] !== child) list.insertBefore(child, list.children[i] ?? null); });
+}
+/** Gives an element the texts and actions of another one of the same structure. */
+function update(old, fresh) {
+  const a = [...old.childNodes], b = [...fresh.childNodes];
+  if (a.length !== b.length || a.some((node, i) => node.nodeName !== b[i].nodeName)) {
+    old.replaceChildren(...b);
+  } else a.forEach((node, i) => {
+    if (node.nodeType !== Node.TEXT_NODE) update(node, b[i]);
+    else if (node.data !== b[i].data) node.data = b[i].data;
+  });
+  if (old.className !== fresh.className) old.className = fresh.className;
+  if (old instanceof HTMLButtonElement) old.onclick = fresh.onclick, old.disabled = fresh.disabled;
+  return old;
 }
 export function length(m) {
   if (m === null || m === undefined || !isFinite(m)) return "–";
@@ -28,12 +45,19 @@ export function length(m) {
 }
 
 async function command(what, more = {}) {
-  $("failure").textContent = "";
+  refused = "", showFailure();
   try {
     const answer = await fetch("/api/command", {method: "POST", headers: {"Content-Type": "application/json"}, body: JSON.stringify({do: what, client, ...more})});
-    if (!answer.ok) $("failure").textContent = (await answer.json()).error;
+    if (!answer.ok) refused = (await answer.json()).error, showFailure();
     return answer.ok;
-  } catch { $("failure").textContent = "The cockpit does not answer."; }
+  } catch { refused = "The cockpit does not answer.", showFailure(); }
+}
+/** Reasons that the operator has to know: a refused command, rows that are not written, a failed end. */
+let refused = "";
+function showFailure() {
+  const error = state?.recording?.error;
+  const words = [refused, error ? `Recording failed. ${error}` : "", state?.finish_failure ? `No deployment was written, and the recording goes on. ${state.finish_failure}` : ""].filter(Boolean).join(" ");
+  if ($("failure").textContent !== words) $("failure").textContent = words;
 }
 
 function ask(words, yes) {
@@ -72,12 +96,13 @@ function showNext() {
 }
 
 function showFindings() {
-  const findings = state.calibration?.findings ?? [];
+  const unknown = Object.entries(state.unknown_beacons).map(([id, n]) => ({text: `Beacon ${id} is received and is not in the site file: ${n} arrivals are in unused.csv`, remedy: "add it to the site file, if it belongs to the site"}));
+  const findings = [...unknown, ...state.calibration?.findings ?? []];
   fill($("findings"), findings.length ? findings.map(f => {
     const item = element("li", f.text.replace(/\.?$/, ". ") + f.remedy.charAt(0).toUpperCase() + f.remedy.slice(1) + ".");
     if (f.exchange) {
       const [a, b] = f.exchange, button = element("button", `Swap ${a} and ${b}`, {type: "button"});
-      button.dataset.key = `swap ${a} ${b}`;
+      item.dataset.key = `swap ${a} ${b}`;
       button.onclick = () => command("exchange", {a, b});
       item.append(document.createElement("br"), button);
     }
@@ -101,7 +126,8 @@ function showBeacons() {
   const found = new Map((state.calibration?.beacons ?? []).map(b => [b.id, b]));
   fill($("beacons"), state.beacons.map(b => {
     const c = found.get(b.id), row = element("tr"), [words, kind] = beaconState(b, c);
-    row.append(element("th", b.id, {scope: "row"}), element("td", words, {className: `words ${kind}`}), element("td", c?.status === "control_point" ? "fixed" : length(c?.radius95_m)), element("td", String(b.arrivals)), element("td", b.rate_hz.toFixed(b.rate_hz < 10 ? 1 : 0)));
+    row.dataset.key = b.id;
+    row.append(element("th", b.id, {scope: "row"}), element("td", words, {className: `words ${kind}`}), element("td", c?.status === "control_point" ? "fixed" : length(c?.radius95_m)), element("td", String(b.arrivals), {className: "wide"}), element("td", b.rate_hz.toFixed(b.rate_hz < 10 ? 1 : 0), {className: "wide"}));
     if (state.mode === "setup") {
       const button = element("button", "Place", {type: "button"});
       button.setAttribute("aria-label", `Place ${b.id}`);
@@ -119,11 +145,11 @@ function showStops() {
     const c = found.get(s.epoch), row = element("tr"), point = s.control_point;
     const button = element("button", "✕", {type: "button", disabled: Boolean(state.finished || state.finishing)});
     button.setAttribute("aria-label", `Delete stop ${s.epoch}`);
-    button.dataset.key = `delete ${s.epoch}`;
+    row.dataset.key = s.epoch;
     button.onclick = async () => { if (await ask(`Delete stop ${s.epoch} with ${s.arrivals} arrivals?`, "Delete")) command("delete_stop", {epoch: s.epoch}); };
     const cell = element("td");
     cell.append(button);
-    row.append(element("th", String(s.epoch), {scope: "row"}), element("td", String(s.arrivals)), element("td", String(s.beacons)), element("td", c ? c.rms_sigmas.toFixed(1) : "–"), cell, element("td", point ? `${point.name || "point"} (${point.x_m}, ${point.y_m})` : "", {className: "words"}));
+    row.append(element("th", String(s.epoch), {scope: "row"}), cell, element("td", String(s.arrivals)), element("td", String(s.beacons)), element("td", c ? c.rms_sigmas.toFixed(1) : "–"), element("td", point ? `${point.name || "point"} (${point.x_m}, ${point.y_m})` : "", {className: "words"}));
     return row;
   }));
 }
@@ -132,7 +158,9 @@ function showLive() {
   const r = state.recording, c = state.calibration, facts = [["Source", state.source.name + (state.source.is_over ? " (ended)" : "")]];
   if (r) facts.push(["Recorded", `${r.arrivals} arrivals, ${r.odometry_rows} odometry rows in ${r.folder}`]);
   if (r?.error) facts.push(["Recording failed", r.error]);
-  if (r && (r.late || r.between_stops || r.deleted)) facts.push(["In unused.csv", `${r.between_stops} between stops, ${r.deleted} deleted, ${r.late} late`]);
+  if (r && (r.late || r.between_stops || r.deleted || r.stop_is_over || r.unknown)) facts.push(["In unused.csv", `${r.between_stops} between stops, ${r.deleted} deleted, ${r.late} late, ${r.stop_is_over} after the end of their stop, ${r.unknown} of unknown beacons`]);
+  if (r?.late_odometry) facts.push(["Late odometry", `${r.late_odometry} rows`]);
+  if (r?.lost) facts.push(["Lost", `${r.lost} rows that could not be written`]);
   const bad = Object.entries(state.source.bad_lines);
   if (bad.length) facts.push(["Invalid lines", bad.map(([words, n]) => `${n} × ${words}`).join("; ")]);
   facts.push(["Fixes", `${state.fixes.ok}, ${state.fixes.no_fix} without a position`]);
@@ -181,6 +209,7 @@ function show(next) {
   $("site").textContent = state.site, $("mode").textContent = state.mode;
   if (!plan.onTap && !trying()) $("connection").textContent = state.source.is_over ? "The source has ended" : "Live";
   showLight();
+  showFailure();
   if (state.mode === "setup") showSetup();
   if (state.mode !== "monitoring") { showNext(); showFindings(); showStops(); }
   showBeacons();
@@ -207,8 +236,16 @@ async function loadFloor(version) {
   plan.show(state, floor);
 }
 
-$("begin-stop").onclick = () => command("begin_stop");
+$("begin-stop").onclick = async () => {
+  const r = state.recording;
+  if (r.stop_mode !== "drive" || !r.arrivals || await ask(`Begin the first stop? ${r.arrivals} arrivals become unused.`, "Begin")) command("begin_stop");
+};
 $("end-stop").onclick = () => command("end_stop");
+/** Numbers of fields by key; an empty field has none. */
+function numbers(fields) {
+  const filled = Object.entries(fields).filter(([, id]) => $(id).value.trim());
+  return Object.fromEntries(filled.map(([key, id]) => [key, Number($(id).value.replace(",", "."))]));
+}
 $("take-over").onclick = () => command("take_over");
 $("undo").onclick = () => command("undo");
 $("finish").onclick = async () => {
@@ -217,19 +254,18 @@ $("finish").onclick = async () => {
   if (await ask(words, "Finish")) command("finish", {accept: colour === "contradicted"});
 };
 $("control-point").onclick = () => {
-  const epoch = state.open_stop ?? state.stops.at(-1).epoch, number = id => Number($(id).value.replace(",", "."));
+  const epoch = state.open_stop ?? state.stops.at(-1).epoch;
   $("point-stop").textContent = `Position of the vehicle's origin at stop ${epoch}, measured by hand.`;
   $("point-dialog").returnValue = "cancel";
   $("point-dialog").addEventListener("close", () => {
-    if ($("point-dialog").returnValue === "ok") command("control_point", {epoch, x_m: number("point-x"), y_m: number("point-y"), sigma_m: number("point-sigma"), name: $("point-name").value});
+    if ($("point-dialog").returnValue === "ok") command("control_point", {epoch, name: $("point-name").value, ...numbers({x_m: "point-x", y_m: "point-y", sigma_m: "point-sigma"})});
   }, {once: true});
   $("point-dialog").showModal();
 };
 $("setup-form").onsubmit = async e => {
   e.preventDefault();
-  const number = id => Number($(id).value.replace(",", "."));
   const beacons = [...plan.moved].map(([id, [x_m, y_m]]) => ({id, x_m, y_m, sigma_m: 0.5}));
-  if (await command("set_site", {kind: $("setup-kind").value, temperature_degC: number("setup-temperature"), height_m: number("setup-height"), ring_radius_m: number("setup-radius"), beacon_m: number("setup-beacon"), fix_m: number("setup-fix"), beacons})) plan.moved.clear(), plan.movable = false, plan.fits = true;
+  if (await command("set_site", {kind: $("setup-kind").value, beacons, ...numbers({temperature_degC: "setup-temperature", height_m: "setup-height", ring_radius_m: "setup-radius", beacon_m: "setup-beacon", fix_m: "setup-fix"})})) plan.moved.clear(), plan.movable = false, plan.fits = true;
 };
 $("try-places").onclick = () => {
   const on = !trying();

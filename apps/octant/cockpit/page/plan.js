@@ -206,7 +206,7 @@ export class Plan {
 
   drawNext() {
     const n = this.state.next_stop;
-    if (!n || this.state.finished) return;
+    if (!n || this.state.finished || this.state.light?.colour === "good") return;
     const [px, py] = this.at(n.x_m, n.y_m);
     this.pen.strokeStyle = "#fff", this.pen.lineWidth = 8;
     for (const pass of [0, 1]) {
