@@ -128,6 +128,19 @@ class Commands(base.Folder):
                 self.assertEqual(file.read(), "epoch,x_m,y_m,sigma_m\n0,1,2,0.005\n")
 
 
+    def test_a_drive_whose_rows_cannot_be_moved_has_no_first_stop(self):
+        with base.Cockpit(self.folder) as cockpit:
+            cockpit.send(base.lines_of(RUN, epoch=False))
+            state = cockpit.until(lambda s: s["recording"]["arrivals"] == 2161, "a drive")
+            os.makedirs(cockpit.run + "/moving.csv/in-the-way")
+            self.assertEqual(cockpit.command("begin_stop")[0], 422)
+            state = cockpit.state()
+            self.assertEqual((state["recording"]["stop_mode"], state["recording"]["arrivals"], state["open_stop"]), ("drive", 2161, None))
+            os.removedirs(cockpit.run + "/moving.csv/in-the-way")
+            self.assertEqual(cockpit.command("begin_stop")[0], 200)
+            cockpit.until(lambda s: (s["recording"]["between_stops"], s["recording"]["arrivals"]) == (2161, 0), "unused rows")
+
+
 class Visitors(base.Folder):
     def test_idle_connections_do_not_shut_others_out(self):
         with base.Cockpit(self.folder) as cockpit:
@@ -139,6 +152,18 @@ class Visitors(base.Folder):
             self.assertLess(time.monotonic() - began, 9)
             for connection in idle:
                 connection.close()
+
+    def test_sixteen_pages_are_served_at_a_time(self):
+        with base.Cockpit(self.folder) as cockpit:
+            pages, answers = [], []
+            for n in range(17):
+                pages.append(socket.create_connection(("127.0.0.1", cockpit.port), timeout=base.PATIENCE_S, source_address=(f"127.0.0.{2 + n // 6}", 0)))
+                pages[-1].sendall(f"GET /api/events HTTP/1.1\r\nHost: 127.0.0.1:{cockpit.port}\r\n\r\n".encode())
+                answers.append(pages[-1].recv(12))
+            self.assertEqual(answers, [b"HTTP/1.1 200"] * 16 + [b"HTTP/1.1 503"])
+            self.assertEqual(cockpit.ask("GET", "/api/state")[0].status, 200)
+            for page in pages:
+                page.close()
 
     def test_short_secrets_are_refused_and_all_addresses_are_named(self):
         for secret, code in (("secret", 2), ("secret; Path=/evil-1", 2), ("0123456789abcdef", 0)):
