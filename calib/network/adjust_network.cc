@@ -174,12 +174,17 @@ NetworkSolution adjust_network(const Network& network, const NetworkOptions& opt
       step = damped_step(at, damping);
       is_damped = true;
     }
+    const double no_gain = kNoGain * options.sigma_unit * options.sigma_unit;
+    if (is_damped && gain < -no_gain) {  // no step improves the sum of squares, and this is no rounding error
+      solution.iterations = options.max_iterations;
+      continue;
+    }
     x += step;
     if (options.datum_follows) reference = x;
     const double size = step.head(columns.first_set).cwiseAbs().maxCoeff();
     // Steps that shrink no more are rounding errors: 1e-10 m already in coordinates of a thousand kilometres.
     const bool is_rounding = size < 1e3 * options.tolerance_m && size > 0.5 * previous;
-    const bool is_stationary = is_damped && gain < kNoGain * options.sigma_unit * options.sigma_unit;
+    const bool is_stationary = is_damped && gain < no_gain;
     if (size < options.tolerance_m || is_rounding || is_stationary)
       solution.status = NetworkStatus::kConverged;
     previous = size;

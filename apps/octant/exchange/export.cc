@@ -203,6 +203,8 @@ void add_export(CLI::App& app, CommonOptions& common, Action& action) {
       ->add_option("--north-deg", args->north_deg,
                    "geojson: direction of north in the map, counter-clockwise from +x [deg]")
       ->capture_default_str();
+  for (const char* option : {"--origin", "--north-deg"}) command->get_option(option)->excludes("--c");
+  for (const char* option : {"--float", "--vehicle"}) command->get_option(option)->needs("--c");
 }
 
 }  // namespace octant::app

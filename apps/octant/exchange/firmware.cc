@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <Eigen/QR>
@@ -151,12 +152,21 @@ std::string receiver_row(const Deployment& d, const EpochFixModel& model, std::s
                      columns.add(columns.at().receiver(r)));
 }
 
+/// Text for a comment of C: other characters than those of names and dates are replaced.
+std::string in_comment(std::string text) {
+  constexpr std::string_view kHarmless = " _.:+-";
+  for (char& c : text)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && kHarmless.find(c) == std::string_view::npos)
+      c = '?';
+  return text;
+}
+
 std::string header(const Deployment& d, const SiteVehicle& vehicle, std::size_t parameters, bool axes,
                    const Source& source) {
   Identifiers identifiers;
   std::string out =
       fmt::format("/* Dimensions of the deployment of site {}, by octant export --c. */\n#pragma once\n",
-                  d.site.find("*/") == std::string::npos ? d.site : "");
+                  in_comment(d.site));
   if (source.single()) out += "#define OCTF_FLOAT\n";
   out += fmt::format(
       "#define OCTF_SPATIAL {}\n#define OCTF_BEACONS {}\n#define OCTF_RECEIVERS {}\n"
@@ -251,7 +261,7 @@ Result<std::vector<FirmwareFile>> firmware_files(const Deployment& d, const Firm
       "const octf_site octf_site_table = {{\n    {{{:#.17g}, {:#.17g}, {:#.17g}}}, {:#.17g}, {},\n    {},\n"
       "    {}, {}, {},\n    {}, {}, {}, {}, {},\n    {{\n{}    }},\n    {{\n{}    }},\n    {}, {}, {{{}}},\n "
       "   {}}};\n",
-      d.digest, d.created, origin.x(), origin.y(), origin.z(), d.timing.turnaround_s,
+      in_comment(d.digest), in_comment(d.created), origin.x(), origin.y(), origin.z(), d.timing.turnaround_s,
       source.number(d.timing.legs()), source.list(speed_polynomial(d)), source.number(temperature),
       source.number(temperature - kPolynomialReach_degC), source.number(temperature + kPolynomialReach_degC),
       source.number(single_arrival_sigma_s(d)),

@@ -42,7 +42,7 @@ TEST(PassCounts, GoThroughTheirNumbersAndAddUp) {
   a.of_log.rejected = 5;
   a.of_log.observations = 321;
   a.of_log.states = 60;
-  a.poses = {12.5, 33.75};
+  a.poses = {12.5, 33.75, 3.5, 44.0};
   const auto numbers_of = [](const calib::PassCounts& counts) {
     std::vector<double> numbers;
     calib::BufferWriter writer(numbers);
