@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
+#include "calib/problem/ranges.h"
+#include "models/support/normal_noise.h"
 #include "models/trajectory/trajectory.h"
 
 namespace octant::calib {
@@ -18,8 +21,6 @@ namespace {
 constexpr double kRobustScale = 3.0;
 /// Scale of Cauchy's loss at the beginning, in extents of the site.
 constexpr double kCoarseShare = 0.05;
-/// Median absolute deviation of normal noise with sigma 1.
-constexpr double kMedianOfNormal = 0.6745;
 constexpr double kLeastRedundancyShare = 0.2;
 constexpr int kNoiseRounds = 6;
 /// Change of the noise at which it is found.
@@ -189,9 +190,7 @@ double robust_sigma(const ClockProblem& problem, const Eigen::VectorXd& x) {
   const double free = receptions - static_cast<double>(problem.transmissions),
                unknowns = static_cast<double>(3 * (problem.points.size() + problem.site.beacons.size()));
   const double share = std::max(1.0 - unknowns / std::max(free, 1.0), kLeastRedundancyShare);
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::ranges::nth_element(sizes, middle);
-  return *middle / kMedianOfNormal / std::sqrt(share);
+  return median(std::move(sizes)) / kMedianOfNormal / std::sqrt(share);
 }
 
 ClockFit adjust_clocks(const ClockProblem& problem, Eigen::VectorXd x, double scale, int most_iterations) {

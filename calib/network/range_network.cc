@@ -12,6 +12,8 @@
 #include "calib/network/range_ambiguity.h"
 #include "calib/network/select_observations.h"
 #include "calib/network/survey_row.h"
+#include "calib/problem/ranges.h"
+#include "models/support/normal_noise.h"
 
 namespace octant::calib {
 namespace {
@@ -29,8 +31,6 @@ constexpr double kPoorFit = 4.0;
 constexpr double kGross = 6.0;
 /// Redundancy below which a range cannot be tested.
 constexpr double kTestable = 0.01;
-/// Median absolute deviation of normal noise with sigma 1.
-constexpr double kMedianDeviation = 0.6745;
 /// Rounds of the variance component, and the redundancy from which it is estimated.
 constexpr int kScaleRounds = 3;
 constexpr double kLeastRedundancy = 5.0;
@@ -156,13 +156,6 @@ std::vector<bool> keep_without(const Network& network, Suspects suspects) {
   return keep;
 }
 
-/// Standard deviation from the median of absolute deviations.
-double robust_scale(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle / kMedianDeviation;
-}
-
 /// Removes the observations that are not kept, and returns them.
 std::vector<SurveyObservation> remove_others(Network& network, const std::vector<bool>& keep) {
   std::vector<SurveyObservation> removed;
@@ -187,7 +180,7 @@ std::vector<SurveyObservation> leave_out_gross(Network& network) {
     ranges.push_back(i);
   }
   if (ranges.empty()) return {};
-  const double scale_m = robust_scale(deviation_m);
+  const double scale_m = median(deviation_m) / kMedianOfNormal;
   Suspects suspects;
   for (std::size_t k = 0; k < ranges.size(); ++k)
     if (const double limit_m = kGross * std::max(scale_m, network.observations[ranges[k]].sigma);
@@ -242,7 +235,8 @@ Suspects failed_ranges(const SolvedNetwork& solved) {
     worst = std::max(worst, all.back());
   }
   if (all.empty()) return failed;
-  const double limit = std::max(kCriticalRange * std::max(robust_scale(all), 1.0), kShareOfWorst * worst);
+  const double limit =
+      std::max(kCriticalRange * std::max(median(all) / kMedianOfNormal, 1.0), kShareOfWorst * worst);
   for (const auto& suspect : testable)
     if (suspect.first >= limit) failed.push_back(suspect);
   return failed;

@@ -9,6 +9,7 @@
 
 #include "calib/problem/clock_check.h"
 #include "calib/problem/ranges.h"
+#include "models/support/normal_noise.h"
 
 namespace octant::calib {
 namespace {
@@ -17,7 +18,6 @@ constexpr std::size_t kArrivalsNeeded = 20;
 /// A receiver is suspected if its residuals exceed the noise kOffSigmas times. Another position explains them
 /// if the residuals decrease to the share kBetter.
 constexpr double kOffSigmas = 4.0, kBetter = 0.3;
-constexpr double kMedianOfNormal = 0.6745;
 
 /// Median size of the residuals, in sigmas, of the ranges of receiver r at the position of receiver s.
 double misfit(const Adjusted& f, const SharedState& state, ReceiverId r, ReceiverId s, std::size_t& count) {

@@ -10,14 +10,13 @@
 #include <utility>
 
 #include "models/physics/medium.h"
+#include "models/support/normal_noise.h"
 
 namespace octant {
 namespace {
 
 /// Deviation from the median, in sigmas, from which a range counts as an echo or a fault.
 constexpr double kEchoSigmas = 4.0;
-/// Median absolute deviation of normal noise with sigma 1.
-constexpr double kMedianDeviation = 0.6745;
 
 /// Median; the lower of the two middle values of an even number, because echoes are late.
 double middle_of(std::vector<double>& values) {
@@ -31,7 +30,7 @@ void combine_times(const std::vector<double>& times_s, double noise_s, BeaconRan
   std::vector<double> sorted = times_s;
   const double middle_s = middle_of(sorted);
   for (double& t : sorted) t = std::abs(t - middle_s);
-  const double scatter_s = std::max(noise_s, middle_of(sorted) / kMedianDeviation);
+  const double scatter_s = std::max(noise_s, middle_of(sorted) / kMedianOfNormal);
   double sum_s = 0.0;
   for (const double t : times_s)
     if (std::abs(t - middle_s) <= kEchoSigmas * scatter_s) {

@@ -37,7 +37,7 @@ class RowSource {
 /// Rows of beacons that are not among the names are passed on too, with new names, and are invalid lines.
 [[nodiscard]] std::unique_ptr<RowSource> open_line_source(const std::string& where, NameTable names,
                                                           double constant_speed_mps, Session& session);
-/// The same without a site: names are those of the lines.
+/// Source for a recording without a site file, which takes the names from the lines.
 [[nodiscard]] std::unique_ptr<RowSource> open_nameless_source(const std::string& where, Session& session);
 /// Replays arrivals and odometry of a recording. @param speed  relative to real time; 0: at once
 [[nodiscard]] std::unique_ptr<RowSource> replay_source(MeasurementLog run, double speed);

@@ -82,7 +82,7 @@ Json stop_plan_json(const calib::StationPlan& plan, const SurveyInput& input, st
           {"stops_needed", needed ? Json(*needed) : Json(nullptr)}};
 }
 
-/// What is known from the recording; before it says anything, from the site file.
+/// Beacons and speed as calibrated so far, or as in the site file before the first calibration.
 Result<KnownBefore> known_before_stop(const Site& site, const Calibration* calibration) {
   if (calibration != nullptr)
     if (auto known = known_from(*calibration, 1)) return known;

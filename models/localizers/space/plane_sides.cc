@@ -87,18 +87,19 @@ class Sides {
     for (std::size_t p = 1; p < pieces; ++p) {
       const std::size_t begin = p == 1 ? 0 : (at_[p - 1] + at_[p]) / 2;
       const std::size_t end = p + 1 == pieces ? steps_.size() : (at_[p] + at_[p + 1]) / 2;
-      std::array<std::array<double, 2>, 2> told{};
+      std::array<std::array<double, 2>, 2> likelihoods{};
       for (const std::size_t before : {0, 1})
         for (const std::size_t after : {0, 1})
-          told[before][after] = likelihood(begin, end, at_[p], {before, after});
+          likelihoods[before][after] = likelihood(begin, end, at_[p], {before, after});
       // A part that is lost whatever the sides are does not distinguish them.
-      if (std::max({told[0][0], told[0][1], told[1][0], told[1][1]}) == -INFINITY) told = {};
-      as_it_is += told[0][0] + prior[p][0];
+      if (std::max({likelihoods[0][0], likelihoods[0][1], likelihoods[1][0], likelihoods[1][1]}) == -INFINITY)
+        likelihoods = {};
+      as_it_is += likelihoods[0][0] + prior[p][0];
       std::array<double, 2> next{-INFINITY, -INFINITY};
       from.push_back({0, 0});
       for (const std::size_t after : {0, 1})
         for (const std::size_t before : {0, 1}) {
-          const double value = most[before] + told[before][after] + prior[p][after];
+          const double value = most[before] + likelihoods[before][after] + prior[p][after];
           if (!(value > next[after])) continue;
           next[after] = value;
           from.back()[after] = before;

@@ -237,7 +237,7 @@ TEST(RangeNetwork, KeepsABeaconThatARejectionWouldLeaveUndetermined) {
               !result->solved.undetermined.empty());
 }
 
-/// Of three ranges that contradict each other, each one may be the echo.
+/// Any of three ranges that contradict each other may be the echo.
 TEST(RangeNetwork, LeavesOutABeaconIfItIsUnknownWhichRangeIsWrong) {
   for (const int neighbour : {0, 1, 2}) {
     const Warehouse w = cloud(11, 8, true, 0.02);
